@@ -811,12 +811,12 @@ def test_simulate_says_that_small_differences_may_change_a_late_peak(run):
     code, out, _ = run(*taper, 0.1, "--beads", 40)
     assert code == 0
     line = next(line for line in out.splitlines() if line.startswith("right wall: "))
-    assert "; no larger force follows in this computed motion; " in line
+    assert "; no larger force follows in this run; " in line
     assert line.endswith("such as another tolerance: check with --horizon")
     assert "the run lasts 10 transits of the pulse: --horizon shows" in out
     code, out, _ = run(*taper, 0.1, "--beads", 40, "--horizon")
     assert code == 0
-    assert " (after the horizon); no larger force follows in this computed motion\n" in out
+    assert " (after the horizon); no larger force follows in this run\n" in out
     assert "horizon: velocities predictable within 1% until t = " in out
     assert json.loads(run(*taper, 0.1, "--beads", 40, "--json")[1])["walls"][0]["sensitive"] is True
     code, out, _ = run(*taper, 0.05, "--beads", 30, "--until", 150)
@@ -889,7 +889,7 @@ def test_sweeps_count_incomplete_peaks(run, tmp_path):
         '[sweep]\nmethods = ["simulate"]\nkeep = ["wall_peak_force"]\n[method]\nuntil = 20.0\n'
     )
     told = (
-        "points with an incomplete force on the wall or the cap, or reflection: 1 (see variable "
+        "points with an incomplete reflection or force on the wall or the cap: 1 (see variable "
         "`incomplete`)"
     )
     code, out, _ = run("sweep", specification, "--store", store)

@@ -18,7 +18,7 @@ mass = "50 g"
 @pytest.mark.parametrize(
     ("striker", "hint"),
     [
-        ("flat = true", "for a flat face, write radius = inf"),
+        ("flat = true", 'for a flat face, write radius = "flat"'),
         ('radius = "Inf"', "got 'Inf'; write inf without quotation marks"),
     ],
 )

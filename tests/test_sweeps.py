@@ -161,6 +161,12 @@ def test_reflections_and_largest_velocities_are_those_of_runs():
     assert plot_sweep(found, "largest_velocity@30").get_ylabel() == "largest velocity of bead 30"
 
 
+def test_an_option_of_the_simulation_in_the_wrong_table_is_answered_with_its_table():
+    with pytest.raises(hc.InputError, match=r"did you mean until of \[method\][?]"):
+        hc.sweep({"chain": {"taper": "uniform"}, "axes": {"beads": [5, 9]},
+                  "sweep": {"until": 20.0}})  # fmt: skip
+
+
 def test_a_range_of_items_is_answered_with_one_axis_for_each():
     said = r"not 2-4: give one axis with the same values for each item, masses.2 to masses.4, and"
     with pytest.raises(hc.InputError, match=said):

@@ -300,7 +300,7 @@ class ChainBuilders(ChainFields):
         Parameters
         ----------
         mass_ratio : float, optional
-            Mass of the light beads over that of the heavy, > 0; the first bead is heavy.
+            Mass of the light beads over that of the heavy ones, > 0; the first bead is heavy.
         beads : int
             Number of beads.
         radii, diameters : array_like, optional

@@ -54,8 +54,8 @@ MAX_GROUPED, MAX_REASONS = 1000, 5
 # Variables that flag points (`hertzchain.store.sweep_export.FLAGS`), and what they say of these.
 FLAGGED: Final = {
     "outside_range": "outside the validity range of a method",
-    "incomplete": "with an incomplete force on the wall or the cap, or reflection",
-    "sensitive": "whose largest force on the wall is sensitive to small changes",
+    "incomplete": "with an incomplete reflection or force on the wall or the cap",
+    "sensitive": "whose largest force on the wall may be sensitive to small changes",
 }
 # Not contained in an estimate.
 START: Final = "starting and compiling (seconds to minutes)"

@@ -44,18 +44,24 @@ def show_all_places(axes: Axes, coordinate: xr.DataArray) -> None:
 
 
 def scale(values: np.ndarray[Any, Any]) -> str:
-    """Name of the scale: logarithmic for a geometric progression over at least a decade."""
+    """Name of the scale: logarithmic over a decade or more, if the steps are then more even."""
     if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
         return "linear"
-    steps = np.diff(np.log(values))
-    even = np.ptp(steps) < 1e-6 * abs(steps[0])
-    return "log" if even and values.max() >= 10.0 * values.min() else "linear"
+    if values.max() < 10.0 * values.min():
+        return "linear"
+    linear, logarithmic = (np.diff(np.sort(each)) for each in (values, np.log(values)))
+    more_even = logarithmic.max() * linear.min() < linear.max() * logarithmic.min()
+    return "log" if more_even else "linear"
 
 
 def edges_of(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     """Edges of map cells: halfway between neighbouring values, on the scale of the axis."""
     if scale(places) == "log":
-        return np.asarray(np.exp(edges_of(np.log(places))))
+        return np.asarray(np.exp(_edges(np.log(places))))
+    return _edges(places)
+
+
+def _edges(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
     halves = np.diff(places) / 2.0
     inner = places[:-1] + halves
     return np.concatenate(([places[0] - halves[0]], inner, [places[-1] + halves[-1]]))

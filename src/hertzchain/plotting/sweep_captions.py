@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 # Flags of the largest force on a wall, in words.
 FLAGGED_PEAKS: Final = {
-    "incomplete": "not complete", "sensitive": "sensitive to small changes",
+    "incomplete": "not complete", "sensitive": "may be sensitive to small changes",
 }  # fmt: skip
 # Part of the names of quantities that have values where a force is not complete.
 SO_FAR: Final = "so_far"

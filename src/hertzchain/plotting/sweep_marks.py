@@ -64,7 +64,7 @@ LOOKS: Final = MappingProxyType({
     ),
     # White on black, which is visible on each colour, and open, since other markers may be inside.
     "sensitive": _Look(
-        "sensitive to small changes",
+        "may be sensitive to small changes",
         {"marker": "s", "facecolors": "none", "edgecolors": "white", "linewidths": 1.0,
          "path_effects": [withStroke(linewidth=2.4, foreground="black")]},
         {**_RING, "marker": "s"}, frame=True,

@@ -67,8 +67,8 @@ def plot_sweep(
     """Plot quantities of a sweep: curves over one axis, or a map of one quantity over two.
 
     Markers show points outside the range of a method or of Hertz's law, points whose largest force
-    on a wall is not complete or sensitive to small changes and, in maps, points that have failed or
-    are missing.
+    on a wall is not complete or may be sensitive to small changes and, in maps, points that have
+    failed or are missing.
 
     If one of two axes has at most six values, the plot has one curve per value of the shorter axis
     instead of a map; with several methods, the colour of a curve shows the value, and its line and

@@ -88,7 +88,7 @@ def _pulse_left(chain: Chain, at: str) -> str:
 def _complete(chain: Chain, at: str, *, sensitive: bool) -> str:
     """Message of a run that ended with a complete peak on the right wall."""
     if motion_can_escape(chain, RIGHT):
-        motion = " in this computed motion" if sensitive else ""
+        motion = " in this run" if sensitive else ""
         return f"ended {at}, since no larger force on the right wall can follow{motion}"
     return f"the impact on the right wall has ended {at}; {LATER_IMPACTS}"
 

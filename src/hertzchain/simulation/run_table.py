@@ -59,8 +59,8 @@ class RunTable(Frozen):
         ``wall_peak_force`` is NaN.  Impulse of the impact and duration are NaN as long as the
         impact has not ended.
     sensitive : ndarray of bool, shape (C,)
-        Whether the largest force on the right wall is sensitive to small changes, such as another
-        tolerance, as `WallForce.sensitive`; `hertzchain.Run.horizon` of the chain estimates how
+        Whether the largest force on the right wall may be sensitive to small changes, such as
+        another tolerance, as `WallForce.sensitive`; `hertzchain.Run.horizon` of the chain estimates how
         long it is predictable.
     outside_range : ndarray of bool, shape (C,)
         Whether a chain of materials left the range of Hertz's law at any time of the run.
@@ -180,12 +180,12 @@ class RunTable(Frozen):
 
     @property
     def _peak_note(self) -> str:
-        """Number of chains whose largest force on the wall is sensitive to small changes."""
+        """Number of chains whose largest force on the wall may be sensitive to small changes."""
         found = int(self.sensitive.sum())
         if not found or not WALL_QUANTITIES.keys() & self.columns.keys():
             return ""
-        largest = "largest force on the wall is" if found == 1 else "largest forces on the wall are"
-        return f"{found} {largest} sensitive to small changes"
+        largest = "largest force on the wall" if found == 1 else "largest forces on the wall"
+        return f"{found} {largest} may be sensitive to small changes"
 
     @property
     def _range_note(self) -> str:
@@ -236,7 +236,7 @@ class RunTable(Frozen):
         )  # fmt: skip
         variables["sensitive"] = (
             "chain", self.sensitive,
-            {"long_name": "largest force on the right wall is sensitive to small changes"},
+            {"long_name": "largest force on the right wall may be sensitive to small changes"},
         )  # fmt: skip
         variables["outside_range"] = (
             "chain", self.outside_range, {"long_name": "outside the range of Hertz's law"}

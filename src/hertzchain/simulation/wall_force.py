@@ -33,7 +33,7 @@ MARGIN: Final = 0.02
 def sensitive_in_words(run: str, place: str = "") -> str:
     """The meaning of a sensitive peak, and how to check it with a run."""
     return (
-        f"the largest force{place} occurs after the first contact and is sensitive to small "
+        f"the largest force{place} occurs after the first contact and may be sensitive to small "
         f"changes, such as another tolerance: check with {run}.horizon()"
     )
 
@@ -70,9 +70,9 @@ class WallForce(Compared):
         Whether `bound` holds at all later times.  If so, no later force exceeds a complete peak;
         otherwise a later impact may be stronger.
     sensitive : bool
-        Whether the largest force is sensitive to small changes, such as another tolerance: nothing
-        is lost in the chain, and the largest force does not occur in the first contact with the
-        wall (the left wall: nor before the pulse reaches the right wall for the second time).
+        Whether the largest force may be sensitive to small changes, such as another tolerance:
+        nothing is lost in the chain, and the largest force does not occur in the first contact with
+        the wall (the left wall: nor before the pulse reaches the right wall for the second time).
         `hertzchain.Run.horizon` estimates how long the run is predictable.
     reason : str
         Why the peak is not complete, or why the impact has not ended; empty otherwise.
@@ -171,7 +171,7 @@ class WallForce(Compared):
     @property
     def _later(self) -> str:
         """Statement about forces after a complete peak."""
-        motion = " in this computed motion" if self.sensitive else ""
+        motion = " in this run" if self.sensitive else ""
         proven = f"no larger force follows{motion}"
         return proven if self.proven else "a later impact may be stronger"
 

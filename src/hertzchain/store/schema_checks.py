@@ -155,7 +155,7 @@ def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Ite
         near = repr(meant) if meant in known else similar_names(name, known)
         hint = f" (did you mean {near}?)" if near else ""
         if name == "flat" and "radius" in known:
-            hint = " (for a flat face, write radius = inf)"
+            hint = ' (for a flat face, write radius = "flat")'
         described.append(f"{name!r}{hint}")
     keys = "keys" if len(names) > 1 else "key"
     yield f"unknown {keys} of {place} {', '.join(described)}: choose from {', '.join(known)}"

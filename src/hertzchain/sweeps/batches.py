@@ -69,7 +69,7 @@ class Result:
         1 where the largest force on the wall is incomplete, or where its impulse is kept and the
         impact has not ended.
     sensitive : ndarray of int, shape (points, methods)
-        1 where the largest force on the wall is sensitive to small changes.
+        1 where the largest force on the wall may be sensitive to small changes.
     beads : ndarray of int, shape (points,)
         Number of beads; 0 if the chain cannot be made.
     """

@@ -82,7 +82,9 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
         label = {"long_name": f"1 where {' or '.join(may_end)}"}
         found["incomplete"] = _by_method(plan, "i1", label)
     if plan.keeps_wall:
-        label = {"long_name": "1 where the largest force on the wall is sensitive to small changes"}
+        label = {
+            "long_name": "1 where the largest force on the wall may be sensitive to small changes"
+        }
         found["sensitive"] = _by_method(plan, "i1", label)
     label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
     found["reason"] = _by_method(plan, "str", label)

@@ -257,7 +257,8 @@ class _Reader:
         settings = self._table("sweep")
         for key in settings:
             if key not in SETTINGS:
-                self._add("sweep", unknown_name_error("key", key, SETTINGS))
+                meant = f"{key} of [method]" if key in METHOD_KEYS else ""
+                self._add("sweep", unknown_name_error("key", key, SETTINGS, meant=meant))
         chain, materials = self._chain()
         axes, combine = self._axes(settings)
         if self.inlined is not None:

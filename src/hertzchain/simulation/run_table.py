@@ -60,8 +60,8 @@ class RunTable(Frozen):
         impact has not ended.
     sensitive : ndarray of bool, shape (C,)
         Whether the largest force on the right wall may be sensitive to small changes, such as
-        another tolerance, as `WallForce.sensitive`; `hertzchain.Run.horizon` of the chain estimates how
-        long it is predictable.
+        another tolerance, as `WallForce.sensitive`; `hertzchain.Run.horizon` of the chain estimates
+        how long it is predictable.
     outside_range : ndarray of bool, shape (C,)
         Whether a chain of materials left the range of Hertz's law at any time of the run.
 

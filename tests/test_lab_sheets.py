@@ -216,6 +216,16 @@ def test_the_row_is_described_for_students(chain, sensors, said):
     assert "exponents" not in own
 
 
+@pytest.mark.parametrize(
+    ("wall", "said"),
+    [(hc.Wall(2.5e7, exponent=1), "a load cell with a stiffness of 25 kN/mm."),
+     (hc.Wall(5e9), "a wall with a contact stiffness of 5 N/um^1.5.")],
+)  # fmt: skip
+def test_stiffnesses_without_a_unit_are_in_the_si(wall, said):
+    found = hc.lab_sheet(ROW.replace(right_wall=wall), speeds=[0.05, 0.1])
+    assert said in found.to_markdown()
+
+
 def test_the_sketch_shows_bodies_sensors_and_load_cell(sheet):
     (figure,) = re.findall(r"<svg.*?</svg>", sheet.to_html(), re.DOTALL)
     circles = re.findall(r'<circle cx="([\d.]+)".*? r="([\d.]+)" fill="(#\w+)"', figure)
@@ -298,6 +308,13 @@ def test_the_command_writes_the_sheet(tmp_path, run, sheet):
     assert document["speeds"] == [0.1, 0.2]
     assert document["sensors"] == ["wall"]
     assert document["forces"][1][0] == pytest.approx(117.84, abs=0.006)
+
+
+def test_a_law_of_the_load_cell_in_a_file_keeps_the_unit_of_its_stiffness(tmp_path, run):
+    file, page = tmp_path / "lab.toml", tmp_path / "a.md"
+    file.write_text(FILE.replace("exponent = 1}", 'exponent = 1, loss = {law = "elastic"}}'))
+    assert run("sheet", file, "--speed", "0.1m/s", "--speed", "0.2m/s", "--to", page)[0] == 0
+    assert "a load cell with a stiffness of 40 kN/mm and a cap" in page.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,12 @@ import numpy as np
 
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
-from ..chain.description import length_in_words, mass_in_words, sizes_in_words
+from ..chain.description import (
+    length_in_words,
+    mass_in_words,
+    sizes_in_words,
+    stiffness_in_words,
+)
 from ..chain.walls import Wall
 from ..collision import Array
 from ..representation import listed
@@ -103,8 +108,8 @@ def _end(chain: Chain) -> str:
     if wall is None:
         return f"The last body is a cap of {cap}." if cap else "The far end of the row is free."
     if is_load_cell(chain):
-        stiffness = wall._stiffness_in_words()
-        facts = [f"a stiffness of {stiffness}"] * bool(stiffness) + [f"a cap of {cap}"] * bool(cap)
+        facts = [f"a stiffness of {_stiffness(wall, chain)}"] if wall.stiffness is not None else []
+        facts += [f"a cap of {cap}"] * bool(cap)
         return f"Behind the row is a load cell{f' with {listed(facts)}' if facts else ''}."
     front = f", with a cap of {cap} in front" if cap else ""
     return f"Behind the row is {_wall(wall, chain)}{front}."
@@ -112,11 +117,16 @@ def _end(chain: Chain) -> str:
 
 def _wall(wall: Wall, chain: Chain) -> str:
     if wall.stiffness is not None:
-        return f"a wall with a contact stiffness of {wall._stiffness_in_words()}"
+        return f"a wall with a contact stiffness of {_stiffness(wall, chain)}"
     if wall.material is not None:
         return f"a wall of {wall.material.name}"
     last = _of_materials(chain, slice(chain.beads - 1, chain.beads))
     return f"a wall{last}"
+
+
+def _stiffness(wall: Wall, chain: Chain) -> str:
+    """The stiffness with its unit: sheets have SI chains, however the number was given."""
+    return stiffness_in_words(float(wall.stiffness or 0.0), float(chain.contact_exponents[-1]))
 
 
 def _conditions(chain: Chain) -> list[str]:

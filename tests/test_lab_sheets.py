@@ -154,16 +154,58 @@ def effects(row):
 
 def test_losses_and_gaps_are_compared_with_the_prediction(sheet):
     table = answers.causes(sheet)
-    gaps = "gaps of 10 µm between the balls"
-    assert [row[0] for row in table.rows] == ["restitution 0.95", "restitution 0.9", gaps,
-                                              f"{gaps}, and before the cap"]  # fmt: skip
+    gaps = "with gaps of 10 µm between the balls"
+    changes = ["with restitution 0.95", "with restitution 0.9", gaps, f"{gaps}, and before the cap"]
+    assert [row[0] for row in table.rows] == changes
     lossy = CELL.replace(
         loss=hc.Restitution(0.9), velocities=sheet.speeds[1] * (CELL.velocities > 0)
     )
     run = hc.simulate(lossy, times=8001)
     ratio = run.sensor_force("ball 6").first_maximum / sheet.forces[1, 0]
     assert effects(table.rows[1])[0, 0] == pytest.approx(100 * ratio, abs=0.06)
-    assert answers.causes(hc.lab_sheet(lossy, heights=HEIGHTS)) is None
+    # From the row with losses, the row without them is the inverse change.
+    found = answers.causes(hc.lab_sheet(lossy, sensors=["ball 6", "wall"], heights=HEIGHTS))
+    assert [row[0] for row in found.rows] == ["without losses", gaps, f"{gaps}, and before the cap"]
+    (ratios, delays), (back, earlier) = effects(table.rows[1]), effects(found.rows[0])
+    assert back == pytest.approx(1e4 / ratios, abs=0.15)
+    assert earlier == pytest.approx(-delays, abs=0.11)
+
+
+def test_gaps_are_compared_with_the_losses_of_the_chain():
+    """Also of a load cell with a law of its own, and from a row that has gaps."""
+    cell = hc.Wall("40 kN/mm", exponent=1, loss=hc.Elastic())
+    lossy = CELL.replace(loss=hc.Viscoelastic("2 us"), right_wall=cell)
+    sheet = hc.lab_sheet(lossy, sensors=["ball 6"], heights=HEIGHTS)
+    without, gaps, _ = answers.causes(sheet).rows
+    still = lossy.strikers + np.arange(CELL.beads - 3)
+    apart = lossy.replace(gaps=np.isin(np.arange(CELL.beads - 1), still) * 1e-5,
+                          velocities=sheet.speeds[1] * (CELL.velocities > 0))  # fmt: skip
+    found = hc.simulate(apart, times=8001).sensor_force("ball 6").first_maximum
+    assert effects(gaps)[0, 0] == pytest.approx(100 * found / sheet.forces[1, 0], abs=0.06)
+    elastic = hc.lab_sheet(CELL, sensors=["ball 6"], heights=HEIGHTS)
+    ratio = 100 * elastic.forces[1, 0] / sheet.forces[1, 0]
+    assert effects(without)[0, 0] == pytest.approx(ratio, abs=0.06)
+    back = answers.causes(hc.lab_sheet(apart, sensors=["ball 6"], heights=HEIGHTS)).rows[-1]
+    assert back[0] == "without gaps"
+    assert effects(back)[0, 0] == pytest.approx(100 * sheet.forces[1, 0] / found, abs=0.06)
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"loss": hc.Restitution(0.95)}, "restitution 0.95"),
+     ({"loss": hc.Viscoelastic("0.5 us"),
+       "right_wall": hc.Wall("40 kN/mm", exponent=1, loss=hc.Elastic())},
+      "viscoelastic, 0.5 µs; load cell elastic"),
+     ({"right_wall": hc.Wall(loss=hc.VelocityPower(0.1, 0.2))},
+      "elastic; wall velocity-power, gamma 0.1, alpha 0.2"),
+     ({"loss": [hc.Elastic()] * 3 + [hc.ElasticPlastic()] + [hc.Elastic()] * 7},
+      "elastic in contacts 1 to 3 and 5 to 11; elastic-plastic in contact 4")],
+)  # fmt: skip
+def test_the_teacher_reads_the_laws_of_loss(change, said):
+    page = hc.lab_sheet(ROW.replace(**change), sensors=["ball 3"], speeds=[0.05, 0.1]).to_markdown()
+    (row,) = [line for line in page.splitlines() if line.startswith("Row: ")]
+    assert row.endswith(f". Loss: {said}.")
+    assert "loss" not in row.partition(". Loss")[0]
 
 
 def test_gaps_do_not_postpone_the_impact():
@@ -178,7 +220,7 @@ def test_gaps_do_not_postpone_the_impact():
     assert delay == pytest.approx(992 - 486, abs=1.0)
     free = hc.lab_sheet(row, sensors=["ball 2"], heights=HEIGHTS[:2])
     (name, effect) = answers.causes(free).rows[-1]
-    assert name == "gaps of 10 µm between the balls"
+    assert name == "with gaps of 10 µm between the balls"
     # The gap of 10 µm behind ball 1, which moves at 198 mm/s, would take 50 µs.
     assert effects((name, effect))[1] < 45.0
 

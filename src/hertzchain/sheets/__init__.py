@@ -3,6 +3,7 @@
 - `sheet`: the sheet and its simulations;
 - `similarity`: whether forces are a power of the speed;
 - `row`: the row in words;
+- `losses`: its laws of loss in words;
 - `sketch`: a sketch of the row;
 - `answers`: the page for the teacher;
 - `pages`: the sheet as HTML and Markdown.

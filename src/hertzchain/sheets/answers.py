@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.laws.restitution import Restitution
+from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
@@ -154,16 +157,13 @@ def on_errors(sheet: LabSheet) -> str:
 
 
 def causes(sheet: LabSheet) -> Table | None:
-    """Forces and delays with a loss or gaps at the middle speed, relative to the predictions."""
+    """Forces and delays at the middle speed with other losses and gaps, relative to predictions."""
     chain, middle = sheet.chain, len(sheet.speeds) // 2
-    if not chain.lossless or chain.gaps.any():
-        return None
     rows = []
-    for name, change in _changes(chain).items():
+    for name, changed in _changes(chain).items():
         try:
-            changed = chain.replace(**change)
             with ignore_warnings():
-                found = lab_sheet(changed, sensors=sheet.places, speeds=sheet.speeds[middle - 1 :
+                found = lab_sheet(changed(), sensors=sheet.places, speeds=sheet.speeds[middle - 1 :
                                   middle + 1].tolist())  # fmt: skip
         except (InputError, SimulationError):
             continue
@@ -173,25 +173,33 @@ def causes(sheet: LabSheet) -> Table | None:
     if not rows:
         return None
     caption = (f"Forces at {1e3 * sheet.speeds[middle]:.4g} mm/s, relative to the predictions, and "
-               "delays of the largest forces, with")  # fmt: skip
-    return Table(caption, ("cause", *names(sheet)), tuple(rows))
+               "delays of the largest forces")  # fmt: skip
+    return Table(caption, ("change", *names(sheet)), tuple(rows))
 
 
-def _changes(chain: Chain) -> dict[str, dict[str, Any]]:
-    """Changes of a chain by which forces and times could differ from the prediction."""
-    found: dict[str, dict[str, Any]] = {
-        f"restitution {each:g}": {"loss": Restitution(each)} for each in RESTITUTIONS
+def _changes(chain: Chain) -> dict[str, Callable[[], Chain]]:
+    """Functions that return the chain with or without losses or gaps, by names of the changes."""
+    found: dict[str, Callable[[], Chain]] = {
+        f"with restitution {each:g}": partial(chain.replace, loss=Restitution(each))
+        for each in RESTITUTIONS
     }
+    if not chain.lossless:
+        found = {"without losses": partial(with_one_loss, chain, None)}
     # A gap behind a striker or moving ball only postpones the impact.
     inside = (np.arange(chain.beads - 1) >= chain.strikers) & (chain.velocities[:-1] == 0.0)
-    name = f"gaps of {1e6 * GAP:g} µm between the balls"
-    if chain.cap is None:
-        return found | {name: {"gaps": np.where(inside, GAP, 0.0)}}
-    between = inside & (np.arange(chain.beads - 1) < chain.beads - 2)
-    return found | {
-        name: {"gaps": np.where(between, GAP, 0.0)},
-        f"{name}, and before the cap": {"gaps": np.where(inside, GAP, 0.0)},
-    }
+    if chain.gaps[inside].any():
+        return found | {"without gaps": partial(_with_gaps, chain, inside, 0.0)}
+    name = f"with gaps of {1e6 * GAP:g} µm between the balls"
+    between = inside & (np.arange(chain.beads - 1) < chain.beads - 1 - (chain.cap is not None))
+    found[name] = partial(_with_gaps, chain, between, GAP)
+    if chain.cap is not None:
+        found[f"{name}, and before the cap"] = partial(_with_gaps, chain, inside, GAP)
+    return found
+
+
+def _with_gaps(chain: Chain, at: np.ndarray, gap: float) -> Chain:
+    """The chain with other gaps at some contacts."""
+    return chain.replace(gaps=np.where(at, gap, chain.gaps))
 
 
 def _effect(ratio: float, delay: float) -> str:

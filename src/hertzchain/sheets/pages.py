@@ -11,9 +11,11 @@ import numpy as np
 from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
+from ..chain.chain import Chain
 from ..representation import listed
 from . import answers
 from .answers import Table
+from .losses import losses_in_words
 from .row import names, row_in_words
 from .sheet import LabSheet
 from .sketch import sketch
@@ -58,13 +60,21 @@ def _context(sheet: LabSheet) -> dict[str, Any]:
         "title": sheet.title, "row": row_in_words(sheet), "how": _how(sheet),
         "sketch": Markup(sketch(sheet)),
         "table": _table(sheet, predicted=not sheet.blank, readings=READINGS),
-        "tasks": _tasks(sheet), "description": sheet.chain.description,
+        "tasks": _tasks(sheet), "description": _description(sheet.chain),
         "predictions": [_table(sheet, predicted=True, readings=())] if sheet.blank else [],
         "answers": [answers.on_exponents(sheet), answers.on_travel(sheet), ON_RATIOS,
                     answers.on_errors(sheet)],
         "answer_tables": [each for each in tables if each is not None],
         "warnings": sheet.warnings,
     }  # fmt: skip
+
+
+def _description(chain: Chain) -> str:
+    """The description of the chain, with its laws of loss in a sentence instead of a word."""
+    losses = losses_in_words(chain)
+    if not losses:
+        return chain.description
+    return f"{re.sub(', (mixed losses|loss)(?=,|$)', '', chain.description)}. Loss: {losses}"
 
 
 def _how(sheet: LabSheet) -> str:

@@ -1,0 +1,52 @@
+"""The laws of loss of a row in words, for the page of the teacher."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from ..chain.chain import Chain
+from ..chain.laws.base import Loss
+from ..chain.laws.elastic import Elastic
+from ..chain.laws.given_numbers import given_numbers
+from ..representation import listed, measure
+from .row import is_load_cell
+
+
+def losses_in_words(chain: Chain) -> str:
+    """Such as ``viscoelastic, 0.5 µs; load cell elastic``; empty without a loss."""
+    if chain.lossless:
+        return ""
+    laws = [_law(each) for each in chain.contact_losses]
+    inner = laws[1:-1]
+    end = "load cell" if is_load_cell(chain) else "wall"
+    walls = [("left wall", chain.left_wall, laws[0]), (end, chain.right_wall, laws[-1])]
+    between = [inner[0]] if len(set(inner)) == 1 else _by_contacts(inner)
+    others = [f"{name} {law}" for name, wall, law in walls if wall and [law] != between]
+    return "; ".join([*between, *others])
+
+
+def _by_contacts(laws: list[str]) -> list[str]:
+    """Each law with its contacts, such as ``elastic in contacts 1 to 4 and 6``."""
+    found = []
+    for law in dict.fromkeys(laws):
+        own = [k for k, each in enumerate(laws, 1) if each == law]
+        ranges = [
+            [k for _, k in part] for _, part in groupby(enumerate(own), lambda p: p[1] - p[0])
+        ]
+        words = [f"{k[0]} to {k[-1]}" if len(k) > 1 else f"{k[0]}" for k in ranges]
+        found.append(f"{law} in contact{'s' * (len(own) > 1)} {listed(words)}")
+    return found
+
+
+def _law(law: Loss) -> str:
+    """Such as ``restitution 0.95``, ``viscoelastic, 0.5 µs`` or ``elastic``."""
+    if isinstance(law, Elastic):
+        return law.name
+    told = {called: measure(value, unit).replace(" us", " µs").strip()
+            for called, (value, unit) in given_numbers(law).items()}  # fmt: skip
+    name = law.words or law.name
+    if "restitution" in name and len(told) == 1:
+        return f"{name} {next(iter(told.values()))}"
+    single = len(told) == 1
+    return ", ".join([name, *(text if single else f"{called} {text}"
+                              for called, text in told.items())])  # fmt: skip

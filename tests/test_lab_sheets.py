@@ -114,7 +114,22 @@ def test_a_blank_sheet_has_predictions_only_for_the_teacher():
     assert "35.80" not in page.cells["sheet"]
     assert "35.80" in page.cells["teacher"]
     assert "Row &lt;1&gt;" in blank.to_html()
-    assert "predicted" not in blank.to_markdown().split("## For the teacher")[0]
+    own = blank.to_markdown().split("## For the teacher")[0]
+    assert "predicted" not in own
+    assert "4. Ask your teacher for the predictions, and divide your means by them." in own
+    lossy = CELL.replace(loss=hc.Restitution(0.9))
+    own = hc.lab_sheet(lossy, heights=HEIGHTS, blank=True).to_markdown()
+    assert "The teacher's predictions include losses in the contacts." in own
+
+
+def test_the_answers_say_to_which_tasks_they_belong(sheet):
+    own, teacher = sheet.to_markdown().split("## For the teacher")
+    assert "4. Divide your means by the predictions." in own
+    tasks = re.findall(r"^(\d)\. ", own, re.MULTILINE)
+    answered = re.findall(r"^(\d)\. ", teacher, re.MULTILINE)
+    assert answered == tasks[1:]
+    assert f"\nAnswers to tasks {answered[0]} to {answered[-1]}:\n\n{answered[0]}. " in teacher
+    assert "<p>Answers to tasks 2 to 5:</p>" in sheet.to_html()
 
 
 def test_the_speed_of_the_pulse_is_that_of_the_solitary_wave():
@@ -238,7 +253,7 @@ def test_exponents_are_raised(sheet):
     [(CELL, ["ball 6", "wall"], "The row has 12 balls of steel-52100 with a diameter of 16 mm and "
       "a mass of 16.69 g. The striker is another ball of this kind. Behind the row is a load cell "
       "with a stiffness of 40 kN/mm and a cap of 5 g. A force sensor is in ball 6, and the load "
-      "cell measures the force on it."),
+      "cell measures the force at the end of the row."),
      (ROW, ["ball 3", "ball 5"], "Its first ball is the striker. The far end of the row is free. "
       "Force sensors are in ball 3 and ball 5."),
      (ROW.replace(right_wall=hc.Wall.of("glass")).struck_by(radius="10 mm", material="brass"),

@@ -126,13 +126,16 @@ def _tasks(sheet: LabSheet) -> list[str]:
     time = "the time between the sensors" if several else "the time after the impact"
     expected = "Which slope do contacts that follow Hertz's law have? Where does yours differ, and "
     error = "speed" if sheet.heights is None else "height"
+    divide = "Divide your means by the predictions."
+    if sheet.blank:
+        divide = "Ask your teacher for the predictions, and divide your means by them."
     return [
         "Read the largest force of the first pulse in each sensor, twice at each speed, and enter "
         "the means.",
         "Plot the means over the speed on logarithmic axes. What is the slope for each sensor? "
         f"{expected}why?",
         f"Plot {time} in the same way. How does it depend on the speed?{_on_speed(sheet)}",
-        "Divide your means by the predictions. Are the ratios the same at all speeds and sensors? "
+        f"{divide} Are the ratios the same at all speeds and sensors? "
         "What would the wrong sensitivity of a sensor, a loss in the contacts, or gaps between the "
         "balls change?",
         f"How large is the error of your {error}, and what error of the force results?",

@@ -21,7 +21,7 @@ from .sheet import WALL, LabSheet
 def row_in_words(sheet: LabSheet) -> str:
     """The balls, the striker, the end of the row and the sensors."""
     chain = sheet.chain
-    parts = [_balls(chain), _striker(chain), _end(chain), *_conditions(chain), _sensors(sheet)]
+    parts = [_balls(chain), _striker(chain), _end(chain), *_conditions(sheet), _sensors(sheet)]
     return " ".join(part for part in parts if part)
 
 
@@ -129,8 +129,9 @@ def _stiffness(wall: Wall, chain: Chain) -> str:
     return stiffness_in_words(float(wall.stiffness or 0.0), float(chain.contact_exponents[-1]))
 
 
-def _conditions(chain: Chain) -> list[str]:
+def _conditions(sheet: LabSheet) -> list[str]:
     """Gaps, static forces, losses and pads that the predictions include."""
+    chain = sheet.chain
     inner = chain.contact_exponents[1:-1]
     found = [
         (chain.left_wall is not None, "a wall at the struck end"),
@@ -141,7 +142,8 @@ def _conditions(chain: Chain) -> list[str]:
         (not chain.lossless, "losses in the contacts"),
     ]  # fmt: skip
     words = [text.replace(" um", " µm") for present, text in found if present]
-    return [f"The predictions include {listed(words)}."] if words else []
+    whose = "The teacher's" if sheet.blank else "The"
+    return [f"{whose} predictions include {listed(words)}."] if words else []
 
 
 def _sensors(sheet: LabSheet) -> str:
@@ -156,5 +158,5 @@ def _sensors(sheet: LabSheet) -> str:
         return f"{sensors}."
     wall = "the force on the wall is measured"
     if is_load_cell(chain):
-        wall = "the load cell measures the force on it"
+        wall = "the load cell measures the force at the end of the row"
     return f"{sensors}, and {wall}." if sensors else f"{wall[0].upper()}{wall[1:]}."

@@ -326,3 +326,31 @@ def test_a_figure_over_heights_is_in_millimetres():
     )  # fmt: skip
     assert axes.lines[0].get_xydata().tolist() == [[1.0, 2.0], [2.0, 4.0]]
     assert axes.get_xlabel() == "height of fall [mm]"
+
+
+@pytest.mark.parametrize(
+    ("heights", "forces", "scale"),
+    [([9e-3, 1e-3, 3e-3], [8.0, 2.0, 4.0], "log"), ([1e-3, 2e-3, 4e-3], [2.0, 3.0, 4.0], "log"),
+     ([1e-3, 2e-3, 3.9e-3], [2.0, 3.0, 4.0], "linear"), ([1e-3, 9e-3], [2.0, 8.0], "linear"),
+     ([1e-3, 3e-3, 9e-3], [0.0, 4.0, 8.0], "linear"),
+     ([1e-3, 3e-3, 9e-3], [2.0, 4.0, float("inf")], "log"),
+     ([1e-3, 9e-3, 9e-3], [2.0, 8.0, 8.0], "linear")],
+)  # fmt: skip
+@pytest.mark.parametrize("place", ["wall", "sensor", "yield"])
+def test_many_impacts_over_a_wide_range_are_on_logarithmic_axes(heights, forces, scale, place):
+    from hertzchain.plotting.peaks_over_impacts import plot_peaks
+
+    own = forces if place == "wall" else [1.0, 2.0, 3.0][: len(heights)]
+    axes = plot_peaks(
+        {"a": heights}, {"a": own}, {"a": [(y, y) for y in forces]} if place == "yield" else {},
+        {"a": [(False, False, False)] * len(heights)}, factors=("1.6", "2.8"),
+        where="the right wall", units="SI", heights=True,
+        sensors={"ball 5": {"a": forces}} if place == "sensor" else {},
+    )  # fmt: skip
+    for each in axes.figure.axes:
+        assert (each.get_xscale(), each.get_yscale()) == (scale, scale)
+        assert (each.get_ylim()[0] == 0.0) == (scale == "linear")
+    if scale == "log":
+        axes.figure.canvas.draw()
+        labels = [text.get_text() for text in axes.figure.axes[-1].get_xticklabels()]
+        assert {"1", "2"} <= set(labels)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
-from typing import Final
+from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ..chain.hertz_ratios import NO_PREDICTION
 from .colours import curve_colour, grey
 from .legends import place_legend
-from .style import figure_style, get_axes, literal
+from .log_labels import ROUNDING
+from .style import figure_style, get_axes, label_log_axis, literal
 from .widths import figure_size
 
 # Closed markers, which can be hollow.
@@ -22,6 +23,9 @@ MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
 LINES: Final = ("-", "--", ":")
 # Difference, relative to the largest value, of curves that cannot be distinguished.
 SAME: Final = 3e-3
+# Impacts, and the factor between their extremes, from which axes are logarithmic.
+FEWEST: Final = 3
+FACTOR: Final = 4.0
 # Speeds or heights, and the peaks with elastic contacts and at both yield pressures.
 Curve = tuple[NDArray[np.float64], list[NDArray[np.float64]]]
 NO_SENSORS: Final[Mapping[str, Mapping[str, Sequence[float]]]] = MappingProxyType({})
@@ -44,7 +48,8 @@ def plot_peaks(
     The ``impacts`` are speeds, or ``heights`` of fall [m].  ``yielding`` has the peaks at both
     possible yield pressures, the ``factors`` times the yield strength.  Those of the three peaks
     that are ``outside`` have hollow markers.  Peaks that are not known are infinite, and left out.
-    First maxima in ``sensors``, by the names of sensors and chains, are in panels below.
+    First maxima in ``sensors``, by the names of sensors and chains, are in panels below.  Of three
+    or more impacts over a wide range, both axes are logarithmic, so that exponents are visible.
     """
     unit = " [N]" if units == "SI" else ""
     with figure_style():
@@ -63,11 +68,38 @@ def plot_peaks(
         over = "height of fall [mm]" if heights else "velocity of the impact"
         over += " [m/s]" if units == "SI" and not heights else ""
         (axes, *others)[-1].set_xlabel(over)
-        for panel in (axes, *others):
-            panel.set_ylim(bottom=0.0)
+        drawn: list[Sequence[Any]] = [*peaks.values(), *yielding.values()]
+        drawn += [own for at_sensor in sensors.values() for own in at_sensor.values()]
+        _scale([axes, *others], logarithmic=_shows_exponents(impacts, drawn))
         if len(axes.get_legend_handles_labels()[1]) > 1:
             place_legend(axes, own=not others)
     return axes
+
+
+def _shows_exponents(
+    impacts: Mapping[str, Sequence[float]], forces: Sequence[Sequence[Any]]
+) -> bool:
+    """Whether the impacts have a wide range and all values have a logarithm."""
+    x = np.concatenate([np.asarray(each, float) for each in impacts.values()])
+    y = np.concatenate([np.ravel(np.asarray(each, float)) for each in forces])
+    # Exactly four times, such as 1 mm to 4 mm, is wide enough despite rounding errors.
+    wide = x.min() > 0.0 and x.max() >= FACTOR * (1.0 - ROUNDING) * x.min()
+    # Heights of different chains may differ by rounding errors.
+    several = max(len(np.unique(each)) for each in impacts.values()) >= FEWEST
+    return bool(wide and several and (y[np.isfinite(y)] > 0.0).all())
+
+
+def _scale(panels: Sequence[Axes], *, logarithmic: bool) -> None:
+    """Logarithmic axes, or forces from zero."""
+    for panel in panels:
+        if logarithmic:
+            panel.set_xscale("log")
+            panel.set_yscale("log")
+            label_log_axis(panel.yaxis)
+        else:
+            panel.set_ylim(bottom=0.0)
+    if logarithmic:
+        label_log_axis(panels[-1].xaxis)
 
 
 def _draw_chains(

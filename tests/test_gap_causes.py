@@ -5,6 +5,7 @@ import pytest
 from scipy_row import FREE, chain, forces, recorded, traces
 
 import hertzchain as hc
+from hertzchain.fitting import gap_causes
 from hertzchain.fitting.fit import fit_experiment, fitted
 from hertzchain.fitting.gap_causes import cause_of, fit_of
 from hertzchain.fitting.rough_gaps import gap_names, is_in_front, rough_gap, sizes_of
@@ -49,6 +50,23 @@ def test_a_gap_of_twice_the_unit_of_the_motion_is_found_in_front_of_the_first_se
     assert str(gap.name) == "gap[2-3]"
     assert gap.size == pytest.approx(8e-6, rel=0.1)
     assert gap.cost < 0.1 * result.chi2
+
+
+def test_neighbours_of_the_contact_that_rough_fits_prefer_are_fitted(monkeypatch):
+    result = undiagnosed(traces(gap=8e-6, behind=2))
+    near = gap_names(result.chain)[1:4]
+    monkeypatch.setattr(gap_causes, "gap_names", lambda _: near)
+    # Rough fits that end too early may prefer a neighbour.
+    monkeypatch.setattr(gap_causes, "_likely", lambda _, rough: [rough[2]])
+    monkeypatch.setattr(gap_causes, "PROMISING", -1.0)
+    causes = list(gap_causes.gap_causes(result, {}, fitted))
+    names = [str(cause.names[0]) for cause in causes]
+    assert names == ["gap[3-4]", "gap[2-3]", "gap[1-2]"]
+    best = min(causes, key=lambda cause: cause.result.chi2)
+    assert best is causes[1]
+    assert best.result.describes
+    size, error = best.result.values["gap[2-3]"], best.result.errors["gap[2-3]"]
+    assert abs(size - 8e-6) < 3.5 * error
 
 
 def test_only_a_chain_with_a_wall_has_a_gap_there():

@@ -9,6 +9,7 @@ from ..errors import InputError, SimulationError
 from ..representation import measure
 from .causes import Cause, Refit
 from .flat_valleys import GAPS
+from .free_causes import PROMISING
 from .names import Name
 from .problem import Problem
 from .result import FitResult
@@ -37,10 +38,20 @@ def gap_causes(result: FitResult, _: Mapping[str, float], refit: Refit) -> Itera
     """The fits with a gap at one contact, of those that rough fits prefer."""
     if any(name.key in GAPS for name in result.model.names):
         return
-    for gap in _preferred(result):
-        found = fit_of(gap, refit)
-        if found is not None:
+    rough = _all_rough(result)
+    tried: set[Name] = set()
+    best: FitResult | None = None
+    fitting = _likely(result, rough)
+    while fitting:
+        for gap in fitting:
+            tried.add(gap.name)
+            found = fit_of(gap, refit)
+            if found is None:
+                continue
+            best = found if best is None or found.chi2 < best.chi2 else best
             yield cause_of(gap, found)
+        # A rough fit may end before it reaches the size of the gap, so that it prefers a neighbour.
+        fitting = [each for each in _neighbours(result, best, rough) if each.name not in tried]
 
 
 def small_gap_causes(result: FitResult, delayed: Name, refit: Refit) -> Iterator[Cause]:
@@ -54,10 +65,23 @@ def small_gap_causes(result: FitResult, delayed: Name, refit: Refit) -> Iterator
             yield cause_of(gap, found)
 
 
-def _preferred(result: FitResult) -> list[RoughGap]:
-    """The best rough fits of a gap at any contact but that with the striker."""
+def _all_rough(result: FitResult) -> list[RoughGap | None]:
+    """The rough fits of a gap at each contact but that with the striker, in their order."""
     names = [each for each in gap_names(result.chain) if not _only_delays(each)]
-    return _likely(result, [rough_gap(result, name, sizes_of(name, result)) for name in names])
+    return [rough_gap(result, name, sizes_of(name, result)) for name in names]
+
+
+def _neighbours(
+    result: FitResult, best: FitResult | None, rough: Sequence[RoughGap | None]
+) -> list[RoughGap]:
+    """The rough fits at the contacts next to that of the best fit, if this explains much."""
+    excess = result.chi2 - result.goodness.freedom
+    if best is None or result.chi2 - best.chi2 < PROMISING * excess:
+        return []
+    names = [None if each is None else each.name for each in rough]
+    k = names.index(best.model.names[-1])
+    near = rough[max(k - 1, 0) : k + 2]
+    return [each for each in near if each is not None]
 
 
 def _likely(result: FitResult, rough: Sequence[RoughGap | None]) -> list[RoughGap]:

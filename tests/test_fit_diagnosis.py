@@ -70,6 +70,7 @@ def test_a_second_pulse_is_named_with_its_time_and_size(size):
     assert DESCRIBES in advice
     words = r"there is a second pulse at t = ([\d.]+) us in ball 5, about (\d+)% of the first"
     time, percent = map(float, re.search(words, advice).groups())
+    assert "a second blow of the hammer or striker, or for a gap between balls" in advice
     seen = traces().shots[0]
     onset = seen.times[np.argmax(seen.signals[0].values > 0.05 * seen.signals[0].values.max())]
     assert time == pytest.approx(1e6 * onset + 120.0, abs=8.0)

@@ -45,7 +45,7 @@ class SecondPulse:
         return (
             f"there is a second pulse at t = {measure(self.time, 's')} in {self.sensor}, about "
             f"{self.size:.0%} of the first, which the model does not have: end the record before "
-            "it, and check for a second blow of the hammer or striker"
+            "it, and check for a second blow of the hammer or striker, or for a gap between balls"
         )
 
 

@@ -12,7 +12,7 @@ from .causes import Cause, Refit, is_free, try_further
 from .law_parameters import names_of_losses
 from .loss_laws import typical_law
 from .misread_places import best_other_place
-from .names import Name
+from .names import TIME_OFFSET, Name
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
@@ -41,9 +41,29 @@ def other_places(result: FitResult, start: Mapping[str, float], refit: Refit) ->
         return
     yield Cause(
         f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
-        "check the number in the name of this column, and how balls and strikers are counted",
+        "check the number in the name of this column, and how balls and strikers are counted"
+        f"{_other_count(found.name, found.place.number, result)}",
         other, 0,
     )  # fmt: skip
+
+
+def _other_count(name: str, number: int, result: FitResult) -> str:
+    """Another cause that looks like another ball of the first or the last sensor."""
+    places = {each.name: each.place for _, each in result.traces}
+    order = sorted(places, key=lambda each: places[each].bead(result.chain))
+    # The time offset makes the distance of the first sensor from the impact unimportant.
+    if len(order) < 2 or not any(each.key == TIME_OFFSET for each in result.model.names):
+        return ""
+    further = number > places[name].number
+    if name == order[0]:
+        missing, first, second = further, name, order[1]
+    elif name == order[-1]:
+        missing, first, second = not further, order[-2], name
+    else:
+        return ""
+    what = "a ball is missing" if missing else "there is one ball more"
+    first, second = (places[each].name.removesuffix(" velocity") for each in (first, second))
+    return f", or whether {what} between {first} and {'the ' * ('wall' in second)}{second}"
 
 
 def with_effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..collision import Array
 from ..representation import measure
+from ..traces.places import NAME
 from ..traces.signals import Shot
 from .arrival_notes import has_pulse
 from .sensor_comparison import NOTED, SensorComparison
@@ -21,6 +22,9 @@ IN_RANGES: Final = 4.0
 # Least difference of the logarithms of amplitudes; that of delays is this part of the travel time
 # from the first sensor to the last, and this multiple of the error of the arrival.
 MIN_AMPLITUDE, OF_TRAVEL, IN_ERRORS = 0.2, 0.05, 5.0
+# A ball of the row may be missing if a delay differs from the time in which the pulse passes one
+# ball by less than this part of it.
+ONE_BALL: Final = 0.5
 
 # A ball that is missing at the end of a row changes arrivals only on the wall.
 BALLS: Final = ", the number of balls"
@@ -60,9 +64,10 @@ def _late_causes(
     sensors: Sequence[SensorComparison], odd: SensorComparison, difference: float
 ) -> str:
     """Causes of the delay of one sensor; those at an end of the row may be due to the row."""
-    own = f"the delay of its channel and its place{_end(odd, BALLS)}"
     order = sorted(sensors, key=lambda each: each.simulated_arrival)
     early = difference > 0.0
+    missing = _missing_ball(order, odd, difference)
+    own = f"the delay of its channel and its place{_end(odd, BALLS)}{missing}"
     if early and odd is order[0]:
         between = f"between {odd.name} and {order[1].name}"
     elif not early and odd is order[-1] and "wall" not in odd.name:
@@ -72,6 +77,29 @@ def _late_causes(
     else:
         return own
     return f"for a gap or an odd ball {between}, and check {own}"
+
+
+def _missing_ball(
+    order: Sequence[SensorComparison], odd: SensorComparison, difference: float
+) -> str:
+    """A further cause of a first sensor that is late, or a last one that is early, by one ball."""
+    numbers = {each.name: found[2] for each in order if (found := NAME.fullmatch(each.name))}
+    balls = [each for each in order if numbers.get(each.name)]
+    if len(balls) < 2:
+        return ""
+    first, last = balls[0], balls[-1]
+    count = int(numbers[last.name]) - int(numbers[first.name])
+    travel = last.simulated_arrival - first.simulated_arrival
+    if not count > 0 or not abs(abs(difference) * count / travel - 1.0) < ONE_BALL:
+        return ""
+    if odd is order[0] and difference < 0.0:
+        before, behind = order[:2]
+    elif odd is order[-1] and difference > 0.0 and odd in balls:
+        before, behind = order[-2:]
+    else:
+        return ""
+    second = f"{'the ' * ('wall' in behind.name)}{behind.name}"
+    return f", or whether a ball is missing between {before.name} and {second}"
 
 
 def _amplified(sensors: Sequence[SensorComparison]) -> list[str]:

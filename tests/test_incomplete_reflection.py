@@ -13,7 +13,7 @@ STEP = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, 1.2))
 @pytest.mark.parametrize("until", [105.0, 120.0])
 def test_a_weak_wave_that_has_not_returned_causes_a_warning(until):
     run = hc.simulate(STEP, until=until, times=3000)
-    with pytest.warns(hc.InputWarning, match="reflected energy, 0.0000, is not complete: .* "
+    with pytest.warns(hc.IncompleteWarning, match="reflected energy, 0.0000, is not complete: .* "
                       "on their way to contact 30 at .*; simulate for longer"):  # fmt: skip
         found = run.reflection(30, 75)
     assert found.stored_energy < 0.05
@@ -23,7 +23,7 @@ def test_the_energy_on_its_way_is_the_one_that_returns():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         late = hc.simulate(STEP, until=140.0, times=3000).reflection(30, 75)
-    with pytest.warns(hc.InputWarning, match=r"waves with 0\.0448 of the incident energy"):
+    with pytest.warns(hc.IncompleteWarning, match=r"waves with 0\.0448 of the incident energy"):
         hc.simulate(STEP, until=105.0, times=3000).reflection(30, 75)
     assert late.reflected_energy + late.stored_energy == pytest.approx(0.0448, abs=1e-4)
 
@@ -36,7 +36,7 @@ def test_a_transmitted_wave_that_has_not_passed_is_named():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         late = run.reflection(48, 72)
-    with pytest.warns(hc.InputWarning, match="transmitted energy, 0.2151, is not complete"):
+    with pytest.warns(hc.IncompleteWarning, match="transmitted energy, 0.2151, is not complete"):
         early = run.reflection(48, 72, until=140.0)
     assert early.transmitted_energy < 0.96 * late.transmitted_energy
 

@@ -54,10 +54,10 @@ def sheet(
 ) -> None:  # fmt: skip
     """Write a laboratory sheet of a row, with predictions.
 
-    The sheet has tasks, a sketch of the row, and a table of the forces in the sensors and of the times
-    between them, with columns for the readings.  On a separate page, the answers for the teacher
-    have the exponents of the forces, the speed of the pulse between balls, and the effect of losses
-    and gaps.  Print the page from a browser, or convert the Markdown file with pandoc.
+    The sheet has tasks, a sketch of the row, and a table of the forces in the sensors and of the
+    times between them, with columns for the readings.  On a separate page, the answers for the
+    teacher have the exponents of the forces, the speed of the pulse between balls, and the effect
+    of losses and gaps.  Print the page from a browser, or convert the Markdown file with pandoc.
 
     \b
     Examples:

@@ -184,8 +184,7 @@ class RunTable(Frozen):
         found = int(self.sensitive.sum())
         if not found or not WALL_QUANTITIES.keys() & self.columns.keys():
             return ""
-        largest = "largest force on the wall" if found == 1 else "largest forces on the wall"
-        return f"{found} {largest} may be sensitive to small changes"
+        return f"{counted(found, 'largest force')} on the wall may be sensitive to small changes"
 
     @property
     def _range_note(self) -> str:

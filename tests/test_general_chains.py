@@ -523,7 +523,9 @@ def test_a_run_out_of_the_range_of_hertz_warns_once():
     assert len(caught) == 1
     said = str(caught[0].message)
     assert said.startswith("simulation: pressure / yield is")
-    assert said.removeprefix("simulation: ") in hc.hertz_range(fast, run.largest_overlaps).violations
+    assert (
+        said.removeprefix("simulation: ") in hc.hertz_range(fast, run.largest_overlaps).violations
+    )
     assert caught[0].filename == __file__
     with pytest.warns(hc.ModelRangeWarning) as caught:
         hc.simulate(hc.Chain.from_materials(5e-3, "aluminium", beads=5, velocity=200.0))

@@ -22,6 +22,7 @@ from hertzchain.chain.tapers import TAPERS
 from hertzchain.cli import progress
 from hertzchain.representation import with_decimals
 from hertzchain.store import streaming
+from hertzchain.sweeps.methods import METHODS
 
 
 @pytest.mark.parametrize(
@@ -53,6 +54,21 @@ def test_pulse_by_several_methods(run):
     assert code == 0
     assert "energy: backward-linear, S = 0.5, 12 beads" in out
     assert "modified BCA, printed against" in out
+
+
+def test_pulse_by_all_methods(run):
+    chain = ("pulse", "--taper", "forward-exponential", "--rate", 0.05, "--beads", 12)
+    _, out, err = run(*chain, "--method", "all", "--json")
+    found = [each["method"] for each in json.loads(out)["pulses"]]
+    assert len(found) == len({*found}) == len(METHODS)
+    assert not err
+    walled = ("pulse", "--material", "steel-316", "--diameter", "10 mm", "--beads", 8,
+              "--velocity", "0.001 m/s", "--wall", "same")  # fmt: skip
+    code, out, err = run(*walled, "--method", "all", "--json")
+    assert code == 0
+    assert [each["method"] for each in json.loads(out)["pulses"]] == ["simulation"]
+    assert "note: omitted, because they do not support this chain: propagate, bca," in err
+    assert run(*walled, "--method", "all", "--method", "bca").returncode == 2
 
 
 def test_hard_spheres(run):

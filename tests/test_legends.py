@@ -10,6 +10,7 @@ from figure_texts import legend_texts
 import hertzchain as hc
 from hertzchain.plotting import design_beads
 from hertzchain.plotting.legends import covers_data, place_legend
+from hertzchain.sweeps.methods import METHODS, pulse_by
 
 TAPERS = {"backward-linear": 0.3, "backward-exponential": 0.05,
           "forward-linear": 0.009, "forward-exponential": 0.03}  # fmt: skip
@@ -343,3 +344,19 @@ def test_no_legend_of_several_runs_covers_the_largest_peak():
             axes = run.plot_forces(["wall"], **({} if axes is None else {"ax": axes}))
         axes.figure.draw_without_rendering()
     assert not covers_data(axes.get_legend())
+
+
+def test_all_methods_have_own_lines_and_symbols_and_room_for_their_differences():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    pulses = [pulse_by(method, chain) for method in METHODS]
+    axes = hc.plot_pulses(pulses, residuals=True)
+    curves = [line for line in axes.lines if len(line.get_xdata()) > 1]
+    assert len(curves) == len(METHODS)
+    # Dashes have no public getter.
+    assert len({str(line._unscaled_dash_pattern) for line in curves}) == len(METHODS)
+    assert len({line.get_marker() for line in curves}) == len(METHODS)
+    lower = axes.figure.axes[1]
+    assert lower.bbox.height > 0.6 * axes.bbox.height
+    # A handle has room for the longest pattern of dashes.
+    legend = axes.get_legend()
+    assert legend.handlelength * legend.get_texts()[0].get_fontsize() > 20.0

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import hertzchain as hc
 from hertzchain.plotting.sweep_marks import mark_cells
 
 
@@ -46,4 +47,28 @@ def test_few_marked_cells_have_a_marker_each(count):
     flags.flat[:count] = True
     axes = marked(flags)
     assert [len(each.get_offsets()) for each in axes.collections] == [count]
+    plt.close(axes.figure)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+@pytest.mark.parametrize(("speeds", "methods"), [
+    ([5.0, 6.0, 8.0], ["propagate"]),
+    ([5.0, 6.0, 8.0], ["propagate", "bca"]),
+    (np.linspace(5.0, 8.0, 8).tolist(), ["propagate"]),
+    (np.linspace(0.001, 8.0, 8).tolist(), ["propagate"]),
+])  # fmt: skip
+def test_a_range_that_all_points_leave_is_in_the_title(speeds, methods):
+    found = hc.sweep({
+        "chain": {"radii": 5e-3, "materials": "steel-52100", "beads": 12},
+        "axes": {"velocity": speeds, "radii": np.linspace(4e-3, 6e-3, 8).tolist()},
+        "sweep": {"methods": methods, "keep": ["momentum"], "at": "last"},
+    })  # fmt: skip
+    some = min(speeds) < 0.1
+    assert bool((found.outside_range == 1).all()) != some
+    axes = hc.plot_sweep(found)
+    stated = "all points outside the range of the method or of Hertz's law"
+    assert (stated in axes.get_title().replace("\n", " ")) != some
+    labels = axes.get_legend_handles_labels()[1]
+    assert any("outside" in label for label in labels) == some
+    assert any(each.get_hatch() for each in axes.collections) == some
     plt.close(axes.figure)

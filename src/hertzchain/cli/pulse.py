@@ -29,6 +29,8 @@ DISORDER: Final = "disorder"
 PREDICTED: Final = tuple(name for name in COLUMN_QUANTITIES if not name.endswith("_spread"))
 # The theory of the large beads of a chain with small ones between them.
 EFFECTIVE: Final = "effective-chain"
+# All methods of sweeps that support the chain.
+ALL: Final = "all"
 
 
 def _methods() -> tuple[str, ...]:
@@ -38,7 +40,10 @@ def _methods() -> tuple[str, ...]:
 
 
 def _method_help() -> str:
-    return f"Method; repeatable: {', '.join(_methods())}."
+    return (
+        f"Method; repeatable: {', '.join(_methods())}; or all, for both simulations and the "
+        "theories that support the chain, without disorder and effective-chain."
+    )
 
 
 @click.command(cls=StrictCommand)
@@ -117,8 +122,8 @@ def pulse(
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     for method in methods:
-        check_choice("method", method, _methods())
-    chosen = list(dict.fromkeys(methods))
+        check_choice("method", method, (*_methods(), ALL))
+    chosen = _chosen(methods)
     if not (as_json or as_csv):
         # The first pulse is the reference of comparisons.
         chosen.sort(key=lambda each: each not in SIMULATIONS)
@@ -131,10 +136,17 @@ def pulse(
     settings = _settings(chosen, rtol, part, modulus_scatter)
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")
+    # `simulate` supports every chain.
+    optional = {*chosen} - {*methods, "simulate"}
     found = {}
     with progress_bar("beads passed") as progress:
         for name, chain in chains.items():
-            found[name] = [_computed(each, chain, progress, settings[each]) for each in chosen]
+            computed = {
+                each: _computed(each, chain, progress, settings[each], optional=each in optional)
+                for each in chosen
+            }
+            _name_omitted([method for method, each in computed.items() if each is None])
+            found[name] = [each for each in computed.values() if each is not None]
     if plot is not None or not (as_json or as_csv):
         found = {name: _with_quantity(each, quantity) for name, each in found.items()}
     pulses = [pulse for each in found.values() for pulse in each]
@@ -161,6 +173,15 @@ def pulse(
     else:
         for each in found.values():
             _show_pulses(each, quantity, every_bead=every_bead)
+
+
+def _chosen(methods: tuple[str, ...]) -> list[str]:
+    """The given methods, of which ``all`` stands for several, each once."""
+    from ..sweeps.methods import METHODS
+
+    return list(dict.fromkeys(
+        each for given in methods for each in (METHODS if given == ALL else (given,))
+    ))  # fmt: skip
 
 
 def _part(text: str, chain: Chain) -> float:
@@ -196,18 +217,32 @@ def _settings(
 
 
 def _computed(
-    method: str, chain: Chain, progress: Progress | None, settings: dict[str, float]
-) -> Pulse:
-    """The pulse by a method of the command."""
+    method: str, chain: Chain, progress: Progress | None, settings: dict[str, float], *,
+    optional: bool = False,
+) -> Pulse | None:  # fmt: skip
+    """The pulse by a method; `None` if an optional one does not support the chain."""
+    from ..errors import InputError
     from ..sweeps.methods import pulse_by
     from ..theory.disorder import disorder
     from ..theory.effective_chain import effective_chain
 
-    if method == DISORDER:
-        return disorder(chain, **settings)
-    if method == EFFECTIVE:
-        return effective_chain(chain).bca().pulse()
-    return pulse_by(method, chain, progress, **settings)
+    try:
+        if method == DISORDER:
+            return disorder(chain, **settings)
+        if method == EFFECTIVE:
+            return effective_chain(chain).bca().pulse()
+        return pulse_by(method, chain, progress, **settings)
+    except InputError:
+        if not optional:
+            raise
+        return None
+
+
+def _name_omitted(methods: list[str]) -> None:
+    """Name methods that ``all`` stands for but that do not support the chain."""
+    if methods:
+        click.echo(f"note: omitted, because they do not support this chain: {', '.join(methods)}; "
+                   f"--method {methods[0]} states why", err=True)  # fmt: skip
 
 
 def _with_quantity(pulses: list[Pulse], quantity: str) -> list[Pulse]:

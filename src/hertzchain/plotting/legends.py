@@ -24,12 +24,16 @@ PLACES: Final = (
     "upper right", "upper left", "lower left", "lower right", "center left", "center right",
     "upper center", "lower center", "center",
 )  # fmt: skip
+# Symbols and lines that are not drawn.
+NOTHING: Final = ("None", "none", "", " ", None)
 # Distance [points] of a legend from data.
 CLEARANCE: Final = 2.0
 # Handles and columns of a legend above the axes, in units of the font size.
 COMPACT: Final[dict[str, Any]] = {
     "handlelength": 1.6, "columnspacing": 1.2, "borderpad": 0.2, "borderaxespad": 0.3,
 }  # fmt: skip
+# Number of dashed curves with symbols from which handles are longer, which shows their dashes.
+MANY_DASHED, LONG_HANDLE = 4, 3.0
 # Width [inches] of panels below which letters are smaller, and their least size [points].
 FULL_WIDTH: Final = 2.6
 MIN_SIZE: Final = 5.5
@@ -78,6 +82,8 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
         # A legend of curves drawn before may have made the axis longer.
         axes.autoscale_view(scalex=False)
     compact = {} if own else _compact(axes)
+    if _dashed(axes) >= MANY_DASHED:
+        compact["handlelength"] = LONG_HANDLE
     legend = axes.legend(loc=PLACES[0], **compact)
     # A layout would make the axes of a wide legend narrower, which remain so below it.
     legend.set_in_layout(not own)
@@ -106,6 +112,14 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
             framealpha=0.8,
             **compact,
         ).set_in_layout(False)
+
+
+def _dashed(axes: Axes) -> int:
+    """Number of dashed curves with symbols in the legend."""
+    return sum(
+        isinstance(each, Line2D) and each.is_dashed() and each.get_marker() not in NOTHING
+        for each in axes.get_legend_handles_labels()[0]
+    )
 
 
 def legend_above(figure: Figure, *panels: Axes) -> None:
@@ -224,12 +238,11 @@ def _line_meets(line: Line2D, box: Bbox, scale: float) -> bool:
     points = points[np.isfinite(points).all(axis=1)]
     if not len(points):
         return False
-    nothing = ("None", "none", "", " ", None)
-    size = line.get_markersize() if line.get_marker() not in nothing else 0.0
+    size = line.get_markersize() if line.get_marker() not in NOTHING else 0.0
     if box.padded(0.5 * scale * size).count_contains(points):
         return True
     thick = box.padded(0.5 * scale * line.get_linewidth())
-    joined = line.get_linestyle() not in nothing
+    joined = line.get_linestyle() not in NOTHING
     return joined and bool(Path(points).intersects_bbox(thick, filled=False))
 
 

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from .alternating_beads import END_SYMBOL, FILLABLE
-from .colours import COLOURS
 from .style import MARKERS
 
 # Lines of different methods, if curves of a chain share a colour.
-LINES: Final = ("-", "--", ":", "-.")
+LINES: Final = (
+    "-", "--", ":", "-.", (0, (9, 2)), (0, (5, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 4)),
+    (0, (7, 1.5, 2.5, 1.5)), (0, (2, 2.5)), (0, (9, 1.5, 1, 1.5)),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -28,8 +30,8 @@ class Look:
     def marker(self) -> str:
         """Symbol of the beads; those of heavy and light ones are filled and open."""
         symbols = FILLABLE if self.alternating else MARKERS
-        # Curves whose colours repeat have another symbol.
-        return symbols[(self.symbol + self.symbol // len(COLOURS)) % len(symbols)]
+        # Curves whose colours repeat have another symbol: seven is no multiple of their number.
+        return symbols[self.symbol % len(symbols)]
 
     @property
     def end(self) -> str:

@@ -13,7 +13,7 @@ from ..errors import InputError
 from ..theory.spectrum import Spectrum
 from ..validation.numbers import whole_number
 from ..validation.objects import check_list
-from .colours import COLOURS, curve_colour, grey
+from .colours import curve_colour, grey
 from .legends import place_legend
 from .pulses import number_of_curves
 from .shared_axes import label_below
@@ -40,7 +40,7 @@ def plot_modes(
         for i, mode in enumerate(chosen, present):
             (line,) = axes.plot(
                 beads, _shape(spectrum, mode), color=curve_colour(axes, i), linewidth=0.9,
-                marker=MARKERS[(i + i // len(COLOURS)) % len(MARKERS)], markersize=3.5,
+                marker=MARKERS[i % len(MARKERS)], markersize=3.5,
                 markerfacecolor="none", markevery=-(-len(beads) // EVERY_BEAD),
             )  # fmt: skip
             note_spectrum(line, spectrum.chain, _name(spectrum, mode))

@@ -49,6 +49,7 @@ from .style import (
     figure_style,
     get_axes,
     get_two_axes,
+    heighten_panel,
     literal,
     set_title,
     shrink_to_height,
@@ -216,6 +217,8 @@ def _draw_lower(
 
 def _finish(axes: Axes, lower: Axes | None, *, legend: bool, own: bool) -> None:
     """Add the legend, and make the label of a low panel fit beside it."""
+    if lower is not None and own:
+        heighten_panel(axes, lower)
     if legend:
         place_legend(axes, own=own)
     if lower is not None:

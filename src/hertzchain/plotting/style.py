@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..simulation.horizon import Horizon
 
 # Markers distinguish curves in prints in grey.
-MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D")
+MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D", "<", ">", "1")
 # The letter of micro in units of times, lengths and impulses.
 MICRO: Final = re.compile(r"\bu(?=(?:s|m|N s|J|N|V)\b)")
 
@@ -55,6 +55,9 @@ LOG_DIGITS: Final = (
 )
 # Height of a figure of two panels in a journal relative to one panel, and least size of letters.
 TALLER, MIN_LABEL = 1.25, 5.5
+# Ratio of the limits of a logarithmic axis from which a low panel is higher, and its height
+# relative to the panel above.
+MANY_DECADES, HIGHER = 1e5, 0.7
 # Times [s] above which they are in ms, and ratio above which curves need axes of their own.
 LONG, MUCH = 2e-3, 5.0
 # Factors of the labels of time axes in SI units.
@@ -179,6 +182,19 @@ def _two_panels() -> tuple[Axes, Axes]:
         2, sharex=True, height_ratios=(3, 1.7), figsize=(width, TALLER * height)
     )[1]
     return upper, lower
+
+
+def heighten_panel(upper: Axes, lower: Axes) -> None:
+    """Make the low one of two panels higher if its logarithmic axis has many decades."""
+    low, high = lower.get_ylim()
+    spec = lower.get_subplotspec()
+    if lower.get_yscale() != "log" or high < MANY_DECADES * low or spec is None:
+        return
+    figure = lower.figure if isinstance(lower.figure, Figure) else lower.figure.figure
+    figure.draw_without_rendering()
+    added = HIGHER * upper.bbox.height - lower.bbox.height
+    spec.get_gridspec().set_height_ratios((1.0, HIGHER))
+    figure.set_figheight(figure.get_figheight() + added / figure.dpi)
 
 
 def shrink_to_height(axes: Axes) -> None:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 FLAGGED_PEAKS: Final = {
     "incomplete": "not complete", "sensitive": "may be sensitive to small changes",
 }  # fmt: skip
+# The flag of points outside the range of a method or of Hertz's law.
+OUTSIDE: Final = "outside_range"
 # Part of the names of quantities that have values where a force is not complete.
 SO_FAR: Final = "so_far"
 
@@ -42,6 +44,20 @@ def counted_flags(
         blank = flag == "incomplete" and SO_FAR not in str(drawn.name) and curves
         found += [f"{counted(count, 'point')} {words}{', blank' * blank}"] * bool(count)
     return found
+
+
+def take_common_range(
+    drawn: xr.DataArray, flagged: dict[str, xr.DataArray], *, law: bool
+) -> list[str]:
+    """Remove the flags of the range from ``flagged`` if every value has one, and say so in words.
+
+    Marks at every value would hide the values and distinguish none of them.
+    """
+    known = drawn.notnull()
+    if OUTSIDE not in flagged or not known.any() or not flagged[OUTSIDE].where(known, True).all():
+        return []
+    del flagged[OUTSIDE]
+    return ["all points outside the range of the method" + " or of Hertz's law" * law]
 
 
 def _number_of_points(flags: xr.DataArray) -> int:

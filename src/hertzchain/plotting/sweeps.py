@@ -25,7 +25,7 @@ from .reference_slopes import draw_slopes, slopes_from
 from .shared_axes import use_power_of_ten
 from .style import broken_label, figure_style, get_axes, label_log_axis, set_title
 from .sweep_axes import edges_of, places_of, set_axis
-from .sweep_captions import SO_FAR, caption_of, counted_flags
+from .sweep_captions import SO_FAR, caption_of, counted_flags, take_common_range
 from .sweep_curves import draw_curves
 from .sweep_labels import (
     ERRORS,
@@ -68,7 +68,7 @@ def plot_sweep(
 
     Markers show points outside the range of a method or of Hertz's law, points whose largest force
     on a wall is not complete or may be sensitive to small changes and, in maps, points that have
-    failed or are missing.
+    failed or are missing.  If all points are outside the range, the title states this instead.
 
     If one of two axes has at most six values, the plot has one curve per value of the shorter axis
     instead of a map; with several methods, the colour of a curve shows the value, and its line and
@@ -171,7 +171,8 @@ def plot_sweep(
             # Scaled chains have no materials, and therefore no range of Hertz's law.
             law = dataset.attrs.get("units") == "SI"
             caption = caption_of(dataset, shown, reference)
-            flags = counted_flags(shown, flagged, curves=by is not None)
+            flags = take_common_range(shown, flagged, law=law)
+            flags += counted_flags(shown, flagged, curves=by is not None)
             if by is None:
                 _map(shown, axes, log=log, levels=[unit.factor * level for level in levels])
                 set_title(axes, "; ".join((*caption, *flags)))

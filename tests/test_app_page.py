@@ -1978,12 +1978,12 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         tab.press("#record-sensors", "Tab")
         tab.wait_for_selector("#chart-force .measured")
         page.settle()
-        assert tab.locator("#chart-force .measured").count() == 2
+        assert tab.locator("#chart-force .line.measured").count() == 2
         assert tab.evaluate("hertzchain.state.view.sensors") == [4]
         # Each trace has an entry, and a colour between that of its sensor and that of the text.
         drawn = [
             (tab.locator("#legend-force .key", has_text=f"measured {place}"),
-             tab.locator(f"#chart-force .{name}"))
+             tab.locator(f"#chart-force .line.{name}"))
             for place, name in (("ball 4", "sensor0"), ("wall", "wall-right"))
         ]  # fmt: skip
         for entry, curves in drawn:
@@ -1991,16 +1991,28 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
                 curves.nth(i).evaluate("(each) => getComputedStyle(each).stroke") for i in (0, 1)
             )
             assert entry.count() == 1
-            assert entry.locator("path").evaluate("(e) => getComputedStyle(e).stroke") == measured
+            assert entry.locator(".line").evaluate("(e) => getComputedStyle(e).stroke") == measured
             assert measured != simulated
         assert len({curves.nth(1).get_attribute("class") for _, curves in drawn}) == 2
+        # Circles, which simulated curves do not have, mark measured ones, also in the legend.
+        assert tab.locator("#chart-force .circles.measured").count() == 2
+        assert tab.locator("#legend-force .circles.measured").count() == 2
+        # In a change of the chain, the curves are aligned again.
+        begin = float(tab.get_attribute("#shift", "placeholder"))
+        tab.fill("[id='c-chain.velocity']", "0.1")
+        tab.press("[id='c-chain.velocity']", "Enter")
+        page.settle()
+        assert float(tab.get_attribute("#shift", "placeholder")) < begin - 1.0
+        tab.fill("[id='c-chain.velocity']", "0.3")
+        tab.press("[id='c-chain.velocity']", "Enter")
+        page.settle()
         # The simulation begins at 50 us of the record.
         assert float(tab.get_attribute("#shift", "placeholder")) == pytest.approx(50.0, abs=0.1)
 
         def crest():
             """Place of the largest measured and the largest simulated force on the wall."""
             curves = [
-                tab.locator(f"#chart-force .wall-right{name}")
+                tab.locator(f"#chart-force .line.wall-right{name}")
                 for name in (".measured", ":not(.measured)")
             ]
             points = [
@@ -2048,6 +2060,121 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         assert "record.csv" in tab.text_content("#record")
         assert page.problems == []
         page.context.close()
+
+
+def shown_times(tab, chart="force"):
+    """First and last tick of the time axis in seconds."""
+    texts = tab.locator(f"#chart-{chart} text[text-anchor=middle]")
+    *ticks, label = texts.all_text_contents()
+    factor = {"µ": 1e-6, "m": 1e-3}[re.search(r"\[(.)s\]", label)[1]]
+    return float(ticks[0]) * factor, float(ticks[-1]) * factor
+
+
+def test_a_part_of_the_time_can_be_selected(browser, tmp_path):
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=0.3)
+    chain = chain.replace(right_wall=hc.Wall())
+    with serving(document_of_chain(chain)) as running:
+        page = Page(browser, running)
+        tab = page.tab
+        end = page.array("run", "times")[-1]
+        box = tab.locator("#chart-force").bounding_box()
+        left, right, y = box["x"] + 62, box["x"] + box["width"] - 20, box["y"] + 60
+        assert tab.is_hidden("#whole")
+        # A click still moves the cursor.
+        tab.mouse.click((left + right) / 2, y)
+        cursor = float(tab.text_content("#clockface").split()[2]) * 1e-6
+        assert cursor == pytest.approx(end / 2, rel=0.02)
+        # A drag selects a part, of the budget too.
+        tab.mouse.move(left + 0.5 * (right - left), y)
+        tab.mouse.down()
+        tab.mouse.move(left + 0.6 * (right - left), y)
+        tab.mouse.move(left + 0.75 * (right - left), y)
+        tab.mouse.up()
+        tab.wait_for_selector("#whole:not([hidden])")
+        low, high = tab.evaluate("hertzchain.state.view.range")
+        assert (low, high) == pytest.approx((0.5 * end, 0.75 * end), abs=0.01 * end)
+        for chart in ("force", "budget"):
+            first, last = shown_times(tab, chart)
+            assert low <= first < last <= high
+        tab.click("#open-share")
+        with tab.expect_download() as download:
+            tab.click("[data-export=page]")
+        saved = tmp_path / "saved.html"
+        download.value.save_as(saved)
+        tab.keyboard.press("Escape")
+        # Keys halve the range around the cursor or its middle, move it, and show all.
+        tab.focus("#chart-force")
+        tab.keyboard.press("+")
+        tab.keyboard.press("ArrowRight")
+        tab.evaluate(NEXT_FRAME)
+        less, more = tab.evaluate("hertzchain.state.view.range")
+        assert more - less == pytest.approx((high - low) / 2, rel=1e-3)
+        tab.keyboard.press("-")
+        tab.keyboard.press("0")
+        assert tab.evaluate("hertzchain.state.view.range") == []
+        tab.wait_for_selector("#whole", state="hidden")
+        tab.mouse.move(left + 0.5 * (right - left), y)
+        tab.keyboard.down("Control")
+        tab.mouse.wheel(0, -100)
+        tab.keyboard.up("Control")
+        tab.wait_for_selector("#whole:not([hidden])")
+        less, more = tab.evaluate("hertzchain.state.view.range")
+        assert more - less == pytest.approx(0.8 * end, rel=1e-3)
+        tab.mouse.dblclick(left + 0.3 * (right - left), y)
+        tab.wait_for_selector("#whole", state="hidden")
+        tab.goto(f"file://{saved}")
+        tab.wait_for_selector("#whole:not([hidden])")
+        assert tab.evaluate("hertzchain.state.view.range") == [low, high]
+        tab.click("#whole")
+        tab.wait_for_selector("#whole", state="hidden")
+        assert page.problems == []
+        page.context.close()
+
+
+def test_a_finger_selects_a_part_of_the_time(browser, running):
+    page = Page(browser, running, viewport={"width": 400, "height": 800}, has_touch=True)
+    tab = page.tab
+    chart = tab.locator("#chart-force")
+    chart.scroll_into_view_if_needed()
+    box = chart.bounding_box()
+    touch = page.context.new_cdp_session(tab)
+    for kind, places in (("Start", [0.5]), ("Move", [0.6]), ("Move", [0.8]), ("End", [])):
+        points = [{"x": box["x"] + u * box["width"], "y": box["y"] + 60} for u in places]
+        touch.send("Input.dispatchTouchEvent", {"type": f"touch{kind}", "touchPoints": points})
+    tab.wait_for_selector("#whole:not([hidden])")
+    assert len(tab.evaluate("hertzchain.state.view.range")) == 2
+    tab.click("#whole")
+    assert tab.evaluate("hertzchain.state.view.range") == []
+    page.context.close()
+
+
+def test_a_much_longer_run_is_cut_where_the_active_one_ends(browser):
+    fast = hc.Chain.from_materials(5e-3, "steel-52100", beads=8, velocity=0.3)
+    slow = hc.Chain.from_materials(5e-3, "ptfe", beads=20, velocity=0.3)
+    fast, slow = (each.replace(right_wall=hc.Wall()) for each in (fast, slow))
+    view = first_view(document_of_chain(fast), document_of_chain(slow), [])
+    running = RunningServer(0, document_of_chain(fast), warm_up=False, view=view)
+    thread = running.start()
+    try:
+        page = Page(browser, running)
+        tab = page.tab
+        ends = [page.array("run", "times", slot)[-1] for slot in "AB"]
+        assert ends[1] > 3.0 * ends[0]
+        assert shown_times(tab)[1] <= ends[0]
+        label = tab.text_content("#chart-force text.label >> nth=0")
+        assert re.fullmatch(r"time \[µs\] \(B until [\d.]+\)", label)
+        tab.click("#whole")
+        tab.evaluate(NEXT_FRAME)
+        assert ends[0] < shown_times(tab)[1] <= ends[1]
+        # The run of B is shown whole.
+        tab.click("#tab-B")
+        tab.evaluate(NEXT_FRAME)
+        assert ends[0] < shown_times(tab)[1] <= ends[1]
+        assert page.problems == []
+        page.context.close()
+    finally:
+        running.stop()
+        thread.join(5.0)
 
 
 def test_a_file_can_be_dropped_on_the_page(page):

@@ -97,6 +97,6 @@ export function open(next) {
 /** Open a chain as B, or as A with its own chain B, if any.
  * @param {Slot} slot @param {any} document @param {any} other @param {number[]} sensors @param {number} [until] */
 export function openAs(slot, document, other, sensors, until = 0) {
-  const view = { ...state.view, sensors, until, errors: slot === "B" || other ? "difference" : "theories" };
+  const view = { ...state.view, sensors, until, range: [], errors: slot === "B" || other ? "difference" : "theories" };
   open(slot === "B" ? { B: document, active: slot, view } : { A: document, B: other, active: slot, view });
 }

@@ -25,6 +25,7 @@ export const controls = new Controls($("controls-body"), about, (document, movin
 const views = new Views(about, {
   bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
   time: goToTime,
+  range: (range) => view({ range }),
   hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
 });
 const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(time); });

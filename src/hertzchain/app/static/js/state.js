@@ -4,13 +4,13 @@
 /** @typedef {"A" | "B"} Slot */
 /** @typedef {{quantity: string, log: boolean, bead: number, sensors: number[], camera: string, forces: string,
  *   clock: string, speed: number, map: string, scale: string, budget: string, errors: string, until: number,
- *   hidden: string[]}} View */
+ *   hidden: string[], range: number[]}} View; range of times, [0] for all, or [] by default */
 /** @typedef {{A: Document, B: Document | null, active: Slot, view: View}} State */
 
 /** @type {View} */
 export const VIEW = {
   quantity: "velocity", log: false, bead: 1, sensors: [], camera: "whole", clock: "beads", speed: 1,
-  forces: "all", map: "velocities", scale: "bead", budget: "energy", errors: "theories", until: 0,
+  forces: "all", map: "velocities", scale: "bead", budget: "energy", errors: "theories", until: 0, range: [],
   hidden: ["hard-sphere", "two-thirds-bca", "modified-bca-printed"],
 };
 

@@ -1,6 +1,6 @@
 /** Charts and the table of a chain's results, linked by one cursor. */
 
-import { Chart, svg } from "./chart.js";
+import { CIRCLE, Chart, svg } from "./chart.js";
 import { $, make } from "./fields.js";
 import { fixed } from "./host.js";
 import { full, percent, placeAt, prefixed, short } from "./numbers.js";
@@ -33,10 +33,12 @@ const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, 
 
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
+/** Ratio of the durations of two runs from which the shorter one is shown alone. */
+const MUCH = 3;
 const BEADS = { xLabel: "bead k", counted: true };
 
 export class Views {
-  /** @param {any} about @param {{bead: (bead: number) => void, time: (time: number) => void, hide: (name: string) => void}} on */
+  /** @param {any} about @param {{bead: (bead: number) => void, time: (time: number) => void, hide: (name: string) => void, range: (range: number[]) => void}} on */
   constructor(about, on) {
     this.about = about;
     this.on = on;
@@ -46,6 +48,13 @@ export class Views {
     const picked = (/** @type {number} */ x) => on.time(x / this.factor);
     this.budget = new Chart($("chart-budget"), picked);
     this.force = new Chart($("chart-force"), picked);
+    this.cut = false;
+    this.zoom = (/** @type {number[] | null} */ range) => on.range(range ? range.map((x) => +(x / this.factor).toPrecision(6)) : this.cut ? [0] : []);
+    for (const chart of [this.budget, this.force]) chart.zoomable(this.zoom);
+    $("whole").onclick = () => {
+      this.zoom(null);
+      $("chart-force").focus();
+    };
     this.modes = new Chart($("chart-modes"), () => {});
     this.waves = new Chart($("chart-waves"), () => {});
   }
@@ -146,10 +155,11 @@ export class Views {
       for (const id of ["modes", "force", "budget"]) replace($(`legend-${id}`), []);
       return;
     }
-    const axis = this.timeAxis(own), x = times(motion.times, axis.factor);
+    const axis = this.rangeOf(state, own, other, this.timeAxis(own)), x = times(motion.times, axis.factor);
     this.factor = axis.factor;
+    $("whole").hidden = !axis.range;
     for (const each of document.querySelectorAll(".coarse")) each.textContent = own.run.header.coarse;
-    this.drawBudget(state, own, x, axis.label);
+    this.drawBudget(state, own, x, axis);
     this.drawForces(state, own, other, axis);
     this.drawNumbers(state, own, other);
     this.drawModes(own);
@@ -161,8 +171,19 @@ export class Views {
     return { factor, unit, label: inUnit("time", unit) };
   }
 
-  /** @param {State} state @param {Results} own @param {ArrayLike<number>} x @param {string} xLabel */
-  drawBudget(state, own, x, xLabel) {
+  /** Range of time that is shown: the chosen one, or that of a chain whose run is much shorter than the other's.
+   * @param {State} state @param {Results} own @param {Results | null} other @param {any} axis */
+  rangeOf({ view, active }, own, other, axis) {
+    const ends = [own, ...(other?.si === own.si ? [other] : [])].map(({ motion }) => motion?.times.at(-1) ?? 0), most = Math.max(...ends);
+    const [low, high] = view.range, chosen = low >= 0 && low < high && low < most;
+    this.cut = ends[0] < most / MUCH;
+    if (!chosen && (view.range.length || !this.cut)) return axis;
+    const letter = active === "A" ? "B" : "A", label = chosen ? axis.label : `${axis.label} (${letter} until ${short(most * axis.factor)})`;
+    return { ...axis, label, range: (chosen ? [low, Math.min(high, most)] : [0, ends[0]]).map((time) => time * axis.factor) };
+  }
+
+  /** @param {State} state @param {Results} own @param {ArrayLike<number>} x @param {any} axis */
+  drawBudget(state, own, x, { label: xLabel, range }) {
     const of = state.view.budget, arrays = own.run.arrays, prefix = `${of}.`;
     const names = [...arrays.keys()].filter((name) => name.startsWith(prefix)).map((name) => name.slice(prefix.length));
     if (!names.length && own.run.header.draft) return; // Drafts of long chains have none: keep the last one.
@@ -181,7 +202,7 @@ export class Views {
       return { name: `part ${name.replaceAll(" ", "-")}`, label: name, x, y, base };
     });
     const note = of === "energy" && own.run.header.over_static, message = names.length ? "" : "Nothing moves.";
-    this.budget.draw(series, { xLabel, yLabel: inUnit(note ? "excess energy" : of, shown), message }, `${of} by location: ${names.join(", ")}`);
+    this.budget.draw(series, { xLabel, range, yLabel: inUnit(note ? "excess energy" : of, shown), message }, `${of} by location: ${names.join(", ")}`);
     replace($("legend-budget"), names.map((name) => make("span", { className: "key", title: this.about.parts[name] }, make("i", { className: `swatch part ${name.replaceAll(" ", "-")}` }), name)).concat(note || []));
   }
 
@@ -215,7 +236,7 @@ export class Views {
     });
     const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y), each.rest) }));
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
-    this.force.draw([...series, ...data], { xLabel: axis.label, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit(scale === "change" ? "change from the force at t = 0" : "force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
+    this.force.draw([...series, ...data], { xLabel: axis.label, range: axis.range, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit(scale === "change" ? "change from the force at t = 0" : "force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
     replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...data.map(({ name, label }) => key(name, label))]);
   }
 
@@ -304,6 +325,7 @@ function table(head, rows, chosen) {
 function sample(name) {
   const drawing = svg("svg", { viewBox: "0 0 26 8", class: "sample", "aria-hidden": "true" });
   drawing.append(svg("path", { class: `line ${name}`, d: "M1 4H25" }));
+  if (name.startsWith("measured")) drawing.append(svg("path", { class: `circles ${name}`, d: `M7 4${CIRCLE}M19 4${CIRCLE}` }));
   return drawing;
 }
 
@@ -361,7 +383,7 @@ function measured({ measured: found, motion, run }, factor) {
   const more = found && record.shift !== null ? found.offset - record.shift : 0, end = motion?.times.at(-1) ?? 0;
   return (found?.curves ?? []).map((/** @type {any} */ { key, label, place, static: rest }) => {
     const x = found.arrays.get(`record.times.${key}`), y = found.arrays.get(`record.${key}`), inside = [...x.keys()].filter((i) => x[i] + more >= 0 && x[i] + more <= end);
-    return { name: `measured ${run.header.peaks[place]?.name ?? ""}`, label: `measured ${label}`, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
+    return { name: `measured ${run.header.peaks[place]?.name ?? ""}`, label: `measured ${label}`, marked: true, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
   });
 }
 

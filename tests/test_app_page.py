@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from app_client import TAPER, serving
+from app_client import TAPER, WALL, serving
 
 import hertzchain as hc
 from hertzchain.app.about import about, gallery
@@ -2068,6 +2068,54 @@ def shown_times(tab, chart="force"):
     *ticks, label = texts.all_text_contents()
     factor = {"µ": 1e-6, "m": 1e-3}[re.search(r"\[(.)s\]", label)[1]]
     return float(ticks[0]) * factor, float(ticks[-1]) * factor
+
+
+@pytest.mark.parametrize("view", [None, first_view(TAPER, WALL, [3, 12], until=90.0)])
+def test_the_page_contains_its_first_results(browser, view):
+    running = RunningServer(0, TAPER, warm_up=False, view=view)
+    thread = running.start()
+    try:
+        asked, shown = [], []
+        for first in (False, True):
+            if first:
+                running.app.first.compute(lambda: False)
+            page = Page(browser, running)
+            page.tab.on("request", lambda each: asked.append(each.url))
+            page.tab.goto(page.origin + "?")
+            page.settle()
+            assert any("/api/" in each for each in asked) is not first
+            asked.clear()
+            slots = "A" if view is None else "AB"
+            shown.append({(s, p, n): page.array(p, n, s) for s in slots for p, n in (
+                ("beads", "radii"), ("pulse", "exact.velocity"), ("run", "forces.times"),
+            )})  # fmt: skip
+            assert page.tab.evaluate("hertzchain.results.A.settled")
+            if first:
+                # Later results are requested, also those of a link.
+                page.tab.goto(page.origin + "?#taper=uniform&beads=7")
+                page.settle()
+                assert page.document()["chain"]["beads"] == 7
+                assert len(page.array("beads", "radii")) == 7
+                page.tab.click("#compare")
+                page.settle()
+                assert len(page.array("run", "times", "B")) > 100
+            assert page.problems == []
+            page.context.close()
+        for name, values in shown[0].items():
+            assert np.array_equal(values, shown[1][name])
+    finally:
+        running.stop()
+        thread.join(5.0)
+
+
+def test_too_slow_first_results_are_not_in_the_page():
+    running = RunningServer(0, TAPER, warm_up=False)
+    running.app.first.compute(lambda: True)
+    assert b'id="first"' not in running.app.first.page
+    running.app.first.compute(lambda: False)
+    assert b'id="first"' in running.app.first.page
+    running.close()
+    running.socket.close()
 
 
 def test_a_part_of_the_time_can_be_selected(browser, tmp_path):

@@ -48,8 +48,8 @@ def embedded_page(stored: Mapping[str, Any]) -> bytes:
     head = (
         f'<meta http-equiv="content-security-policy" content="{POLICY}">'
         f"<style>{style}</style>"
-        f'<script type="importmap">{_json({"imports": modules})}</script>'
-        f'<script type="application/json" id="embedded">{_json(stored)}</script>'
+        f'<script type="importmap">{as_json({"imports": modules})}</script>'
+        f'<script type="application/json" id="embedded">{as_json(stored)}</script>'
         f'<script type="module">import "{PREFIX}main.js";</script>'
     )
     loaded = r"<(link|script)\b[^>]*(stylesheet|main\.js)[^>]*>(</script>)?"
@@ -58,7 +58,8 @@ def embedded_page(stored: Mapping[str, Any]) -> bytes:
     return text.replace("</head>", f"{head}</head>", 1).encode()
 
 
-def _json(item: Any) -> str:
+def as_json(item: Any) -> str:
+    """JSON for an element of a page."""
     # Escaped: no text within can end the element.
     return json.dumps(item, allow_nan=False).replace("<", "\\u003c")
 

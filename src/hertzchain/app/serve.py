@@ -46,6 +46,7 @@ class RunningServer:
         self.socket = bind(port)
         self.port: int = self.socket.getsockname()[1]
         self.app = App(self.port, document, WarmUp() if warm_up else None, view)
+        self._prepares = warm_up
         config = uvicorn.Config(
             self.app.asgi, http=Connection, ws="none", lifespan="off", log_config=None,
             access_log=False, server_header=False, date_header=False, timeout_keep_alive=30,
@@ -65,6 +66,8 @@ class RunningServer:
         if timer is not None:
             timer.start()
         self.app.warm_up.start()
+        if self._prepares:
+            threading.Thread(target=self.app.prepare, daemon=True).start()
         try:
             self.server.run(sockets=[self.socket])
         finally:

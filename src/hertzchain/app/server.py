@@ -21,6 +21,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from ..errors import InputError, SimulationError
 from . import background_import
+from .first_results import FirstResults
 from .guard import HEADERS, Guard
 from .latest import Latest
 from .static_files import static_files
@@ -34,6 +35,8 @@ MAX_BODY: Final = 300_000
 PATIENCE: Final = 10.0
 # Number of simultaneous simulations; further ones wait, and those out of date are not started.
 WORKERS: Final = 2
+# Seconds between two looks at the state of the compilation.
+PAUSE: Final = 0.1
 
 
 class RejectedError(Exception):
@@ -54,6 +57,7 @@ class App:
         self.guard = Guard(port)
         self.port = port
         self.document, self.view = document, view
+        self.first = FirstResults(document, view)
         self.latest = Latest()
         self.closing = threading.Event()
         self.warm_up = WarmUp(()) if warm_up is None else warm_up
@@ -79,7 +83,8 @@ class App:
         found = static_files().get(request.url.path)
         if found is None:
             raise RejectedError(404, "not found")
-        return Response(found.content, media_type=found.media_type)
+        content = self.first.page if request.url.path == "/" else found.content
+        return Response(content, media_type=found.media_type)
 
     async def about(self, _: HttpRequest) -> Response:
         """Schema, materials, gallery, and the initial chain."""
@@ -211,6 +216,13 @@ class App:
             await future
         finally:
             gone.set()
+
+    def prepare(self) -> None:
+        """Add the first results to the page when everything is compiled."""
+        while self.warm_up.pending():
+            if self.closing.wait(PAUSE):
+                return
+        self.first.compute(self.closing.is_set)
 
     def close(self) -> None:
         """Stop all simulations."""

@@ -69,13 +69,21 @@ def test_a_focuser_is_compared_with_the_best_taper():
     assert any("geometric taper" in name for name in names)
 
 
-def test_searches_with_scatter_and_orders_have_no_taper():
+def test_searches_with_scatter_and_fronts_have_a_taper_but_orders_have_none():
     problem = focuser()
     scatter = hc.Scatter(radius=0.01, samples=4, beads="2:")
     scattered = hc.Design(
         problem.chain, maximise="velocity@last", vary=problem.vary, scatter=scatter
     )
-    assert GEOMETRIC_TAPER not in hc.design(scattered, budget=200).references
+    plain = hc.design(problem, budget=200).references[GEOMETRIC_TAPER]
+    taper = hc.design(scattered, budget=200).references[GEOMETRIC_TAPER]
+    np.testing.assert_array_equal(taper.chain.radii, plain.chain.radii)
+    assert taper.scattered["CVaR90 of velocity@last"] < taper.values["velocity@last"]
+    both = hc.Design(problem.chain, maximise=["velocity@last", "mass"], vary=problem.vary)
+    front = hc.design(both, budget=200)
+    np.testing.assert_array_equal(front.references[GEOMETRIC_TAPER].chain.radii, plain.chain.radii)
+    # No taper that the search missed beats a point of the front.
+    assert front.front[0].value >= plain.values["velocity@last"]
     row = problem.chain.replace(radii=[15e-3, 10e-3, 8e-3, 5e-3, 4e-3, 3e-3, 2e-3])
     order = hc.Design(row, maximise="velocity@last", vary=[hc.vary.order(beads="2:")])
     assert geometric_tapers(order.space) == []

@@ -367,10 +367,9 @@ def test_the_summary_of_a_pareto_front_states_dents_and_second_hits():
         peaks.append(f"{again.wall_force().peak:.4g} N in the second hit")
         (line,) = [each for each in lines if each.startswith(f"  {i}: ")]
         assert line.endswith(f", wall_force.peak {peaks[-1]}")
-    again = f"  struck again with these dents: wall_force.peak = {peaks[0]};"
+    again = f"  struck again with these dents: wall_force.peak = {peaks[0]} ("
     assert any(each.startswith(again) for each in lines)
-    assert any(each.endswith("of this value") and "in the second hit; this" in each
-               for each in lines)  # fmt: skip
+    assert any("hit 2 at 1.6 Y" in each for each in lines)
 
 
 def test_designs_and_scatter_within_the_range_of_the_law_of_yield():
@@ -381,24 +380,34 @@ def test_designs_and_scatter_within_the_range_of_the_law_of_yield():
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii("4.9 mm", "5.1 mm")])
     result = hc.design(problem, budget=90, seed=1)
     assert not result.verified.outside_range
-    first, second, third, fourth, *_ = result.summary().splitlines()
+    first, pressures, second, third, fourth, fifth, *_ = result.summary().splitlines()
     assert "outside the range" not in first
+    peaks = [hc.simulate(result.chain.replace(loss=hc.ElasticPlastic(factor=factor)))
+             .wall_force().peak for factor in (1.6, 2.8)]  # fmt: skip
+    assert result.yield_range == pytest.approx(peaks, rel=1e-6)
+    low, high = (f"{peak:.4g} N" for peak in peaks)
+    assert pressures == f"  {low} if contacts yield at 1.6 Y, {high} at 2.8 Y (Y: yield strength)"
     assert second.endswith("stayed within the range of their law")
     assert third == f"  {result.verified.dents}"
     peak = f"{result.verified.second_peak:.4g} N in the second hit"
-    assert fourth == (
-        f"  struck again with these dents: wall_force.peak = {peak}; the search compares the first "
-        "hit only"
-    )
+    harder = result.verified.fully_plastic
+    assert fourth == (f"  struck again with these dents: wall_force.peak = {peak} "
+                      f"({harder.second_peak:.4g} N at 2.8 Y)")  # fmt: skip
+    assert fifth == "  the search compares the first hit only"
+    law = hc.ElasticPlastic(factor=2.8)
+    first_hit = hc.simulate(result.chain.replace(loss=law))
+    again = hc.simulate(first_hit.chain, start=first_hit.state.struck_again())
+    assert harder.second_peak == pytest.approx(again.wall_force().peak, rel=1e-6)
     # The chains to compare with have a second hit, too.
-    lines = [line for line in result.summary().splitlines() if "second hit; this design" in line]
-    assert len(lines) == len(result.references) > 0
-    for line, each in zip(lines, result.references.values(), strict=True):
+    lines = [line for line in result.summary().splitlines() if "    value " in line]
+    parts = [line for line in result.summary().splitlines() if "    this design / value" in line]
+    assert len(lines) == len(parts) == len(result.references) > 0
+    for line, part, each in zip(lines, parts, result.references.values(), strict=True):
         again = hc.simulate(each.chain, start=hc.simulate(each.chain).state.struck_again())
         own = hc.simulate(result.chain, start=hc.simulate(result.chain).state.struck_again())
         peaks = [hit.wall_force().peak for hit in (again, own)]
-        assert line.endswith(f"; wall_force.peak = {peaks[0]:.4g} N in the second hit; this "
-                             f"design: {peaks[1] / peaks[0]:.1%} of this value")  # fmt: skip
+        assert line.split()[5:7] == [f"{peaks[0]:.4g}", "N"]
+        assert part.split()[6] == f"{peaks[1] / peaks[0]:.1%}"
         assert each.second_peak == pytest.approx(peaks[0], rel=1e-6)
     (remark,) = [each for each in result.notes if each.startswith("overlap / radius")]
     assert remark.endswith("above 0.01, Hertz's law is less accurate")
@@ -425,3 +434,31 @@ def test_a_run_states_that_no_contact_has_yielded():
     assert "no contact has yielded" in " ".join(elastic.split())
     assert "yielded" not in yielding
     assert "yielded" not in repr(hc.simulate(balls))
+
+
+def test_the_summary_states_limits_and_advantages_that_depend_on_the_yield_pressure():
+    """Of a design and a row whose order or limits change between 1.6 and 2.8 Y."""
+    chain = row(5.0).replace(right_wall=hc.Wall(), loss=LAW)
+    sizes = [hc.vary.radii("4.9 mm", "5.1 mm")]
+    free = hc.design(hc.Design(chain, minimise="wall_force.peak", vary=sizes), budget=90, seed=1)
+    low, high = free.yield_range
+    assert low < high
+    limited = hc.Design(
+        chain, minimise="wall_force.peak", vary=sizes,
+        subject_to={"wall_force.peak": f"<= {0.5 * (low + high)} N"},
+    )  # fmt: skip
+    name, own = "wall_force.peak", free.verified
+    better = own.fully_plastic._replace(values=own.fully_plastic.values | {name: 1.02 * high})
+    other = dataclasses.replace(own, values=own.values | {name: 1.3 * low}, fully_plastic=better)
+    found = dataclasses.replace(
+        free, problem=limited, references={"row": other}, compared={"row": 1}
+    )
+    lines = found.summary().splitlines()
+    assert "    this design is 23% better at 1.6 Y and 2% better at 2.8 Y: its advantage depends on yield" in lines  # fmt: skip  # noqa: E501
+    (limit,) = (line for line in lines if line.startswith(f"  {name} <= "))
+    assert limit.endswith(f" ({high:.4g} N at 2.8 Y), NOT met if contacts yield at 2.8 Y")
+    document = found.as_dict()
+    assert document["constraints_not_met_at_fully_plastic_pressure"] == document["constraints"][:1]
+    assert document["at_fully_plastic_pressure"]["values"][name] == pytest.approx(high)
+    (entry,) = document["references"].values()
+    assert any("advantage depends on yield" in each for each in entry["remarks"])

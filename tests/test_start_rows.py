@@ -36,7 +36,7 @@ def test_the_row_and_equal_balls_are_compared_with_the_design():
     assert list(found.references) == ["given row", "row of equal balls", "geometric taper"]
     assert found.value <= found.objective_of(found.references["given row"])
     summary = found.summary()
-    assert "given row: 12.79 N; this design: 100.0% of this value" in summary
+    assert "given row: 12.79 N\n    this design: 100.0% of this value\n" in summary
     assert "nothing better than the given row" in summary
 
 

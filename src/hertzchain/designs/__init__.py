@@ -11,8 +11,8 @@
 - values and derivatives: `measured`, theories in `models`, `exact_gradients`,
   `overlap_slopes`, `finite_differences`, contacts in `yielding`;
 - the result: `result`, `verification`, `verified`, `new_samples`, `bounds`, `reference_chains`,
-  `ball_tapers`, `comparison`, `limits_if_yielding`, `curves`, `rejections`, `report`,
-  `compared_in_words`, `exports`;
+  `ball_tapers`, `yield_range`, `comparison`, `limits_if_yielding`, `curves`, `rejections`,
+  `report`, `compared_in_words`, `sizes_in_words`, `exports`;
 - deviations of beads: `sensitivity`, `distribution`.
 """
 

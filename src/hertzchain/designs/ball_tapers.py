@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -54,16 +55,21 @@ def _spread(count: int, most: int) -> list[int]:
 def geometric_reference(trials: Trials) -> dict[str, Reference]:
     """The best geometric taper; it is not counted in the budget and can become the design.
 
-    Searches with a scatter, whose trials take many simulations, and Pareto fronts have none.
+    With a scatter, whose trials take many simulations, it is the best one without deviations, and
+    it does not become the design.  Of a Pareto front, it is the best one of the first objective,
+    and all tapers can become points.
     """
     space = trials.problem.space
-    if not isinstance(space, BallSpace) or trials.draws is not None or trials.memory is not None:
+    if not isinstance(space, BallSpace) or not (rows := geometric_tapers(space)):
         return {}
-    if not (rows := geometric_tapers(space)):
-        return {}
-    outcomes = trials.outcomes(rows, trials._values(rows, RTOL))
+    scattered = trials.draws is not None
+    one = replace(trials, problem=replace(trials.problem, scatter=None)) if scattered else trials
+    outcomes = one.outcomes(rows, one._values(rows, RTOL))
     known = [each for each in outcomes if np.isfinite(each.values).all()]
-    trials.note_without_cost(known)
+    if trials.memory is not None:
+        trials.remember(known)
+    elif not scattered:
+        trials.note_without_cost(known)
     if not known:
         return {}
     best = min(known, key=lambda each: each.rank)

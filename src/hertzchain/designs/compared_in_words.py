@@ -2,60 +2,247 @@
 
 from __future__ import annotations
 
-from math import isnan
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from math import isfinite, isnan, nan
+from typing import TYPE_CHECKING, Final, NamedTuple
 
+from ..chain.hertz_ratios import OUTSIDE_LAW
+from ..chain.yield_pressure import assumes_pressure
 from ..representation import listed
-from .comparison import compared, objective_if_yielding, value_in_samples
+from .comparison import (
+    advantage,
+    objective_if_fully_plastic,
+    objective_if_yielding,
+    references_in_words,
+    value_in_samples,
+)
+from .limits_if_yielding import violated_if_fully_plastic, violated_only_if_yielding
 from .measures import in_words
 from .new_samples import FRESH
 from .requirements import TOLERANCE
-from .verified import Verified, excess_with_scatter, violated
+from .verified import (
+    AT_FULLY_PLASTIC,
+    WITH_YIELD,
+    Verified,
+    excess_with_scatter,
+    met,
+    violated,
+)
+from .yield_range import LEGEND, LOW, YIELD_HIGH, YIELD_LOW
 
 if TYPE_CHECKING:
     from .result import DesignResult
 
+WALL_PEAK: Final = "wall_force.peak"
+# Marks values outside the range of the law of yield.
+MARK: Final = "*"
+MARKED: Final = f"{MARK} outside the range of the law, where forces are not a prediction"
+# An advantage shrinks if it is below this part of the largest one, and by this amount.
+SHRUNK, LOST = 0.75, 0.02
+
+
+class Column(NamedTuple):
+    """Values of the objective under one condition, and the part of them the design has."""
+
+    title: str
+    value: Callable[[Verified], float]
+    outside: Callable[[Verified], bool]
+    # Words for the condition in a sentence; empty if it does not belong to yield.
+    words: str = ""
+
+
+def comparison_lines(result: DesignResult) -> list[str]:
+    """The chains to compare with: a line each, or a table if there are values with yield."""
+    if not result.references:
+        return []
+    columns = _columns(result)
+    if len(columns) == 1:
+        return _single_values(result, columns[0])
+    single = result.problem.objective.single
+    lines = [(str(single or "score"), *(each.title for each in columns))]
+    lines.append(("  this design", *_shown_row(result, columns, result.verified)))
+    for name, found in references_in_words(result).items():
+        lines.append((f"{name}:",))
+        lines.append(("  value", *_shown_row(result, columns, found)))
+        if met(result.problem, found.values):
+            lines.append(("  this design / value", *_parts(result, columns, found)))
+        lines += [(f"  {each}",) for each in _remarks(result, columns, found)]
+    texts = [text for line in lines if len(line) > 1 for text in line[1:]]
+    notes = [LEGEND] if any(each.title == YIELD_HIGH for each in columns) else []
+    notes += [MARKED] if any(text.endswith(MARK) for text in texts) else []
+    return [*_aligned(lines), *(f"  {each}" for each in notes)]
+
+
+def _aligned(lines: list[tuple[str, ...]]) -> list[str]:
+    """Rows of the table with columns of equal width; lines of one text keep their own."""
+    rows = [line for line in lines if len(line) > 1]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    found = []
+    for first, *others in lines:
+        texts = [text.rjust(width) for text, width in zip(others, widths[1:], strict=False)]
+        found.append("  " + "  ".join([first.ljust(widths[0]) if texts else first, *texts]))
+    return [each.rstrip() for each in found]
+
+
+def _columns(result: DesignResult) -> list[Column]:
+    """Conditions with values that differ from those of the condition before."""
+    scatter, assumed = result.problem.scatter, assumes_pressure(result.chain)
+    yields = any(law.yields for law in result.chain.contact_losses)
+
+    def never(_: Verified) -> bool:
+        return False
+
+    def harder(found: Verified) -> bool:
+        return found.fully_plastic is not None and found.fully_plastic.outside_range
+
+    base = "no scatter" if scatter is not None else "first hit" if yields else "elastic"
+    if assumed:
+        base = YIELD_LOW
+    words = LOW if assumed else "" if yields else "with elastic contacts"
+    columns = [Column(base, result.objective_of, never, words)]
+    further = [
+        Column(YIELD_LOW, lambda found: objective_if_yielding(result, found),
+               lambda found: found.yielding_outside_range, LOW),
+        Column(YIELD_HIGH, lambda found: objective_if_fully_plastic(result, found), harder,
+               AT_FULLY_PLASTIC),
+    ]  # fmt: skip
+    chains = [result.verified, *result.references.values()]
+    for each in further:
+        last = columns[-1]
+        pairs = [(result._shown(last.value(one)), result._shown(each.value(one)))
+                 for one in chains if isfinite(each.value(one))]  # fmt: skip
+        if any(one != other for one, other in pairs):
+            columns.append(each)
+    if scatter is not None and any(isfinite(value_in_samples(result, each)) for each in chains):
+        first = Column(scatter.statistic, lambda found: value_in_samples(result, found), never)
+        columns = [first, *columns]
+    return columns + _second_hits(result)
+
+
+def _second_hits(result: DesignResult) -> list[Column]:
+    """Columns with the peak of a second hit, if it has the unit of the objective."""
+    if str(result.problem.objective.single) != WALL_PEAK or isnan(result.verified.second_peak):
+        return []
+
+    def harder(found: Verified) -> float:
+        return nan if found.fully_plastic is None else found.fully_plastic.second_peak
+
+    def outside(found: Verified) -> bool:
+        return found.fully_plastic is not None and found.fully_plastic.outside_range
+
+    known = isfinite(harder(result.verified))
+    first = f"hit 2 {LOW}" if known else "second hit"
+    columns = [Column(first, lambda found: found.second_peak, lambda _: False)]
+    return columns + [Column(f"hit 2 {AT_FULLY_PLASTIC}", harder, outside)] * known
+
+
+def _shown_row(result: DesignResult, columns: list[Column], found: Verified) -> list[str]:
+    texts = []
+    for each in columns:
+        value = each.value(found)
+        text = result._shown(value).strip() if isfinite(value) else "-"
+        texts.append(text + MARK * each.outside(found))
+    return texts
+
+
+def _parts(result: DesignResult, columns: list[Column], found: Verified) -> list[str]:
+    """The value of the design as part of that of a chain, under each condition."""
+    texts = []
+    for each in columns:
+        own, value = each.value(result.verified), each.value(found)
+        known = isfinite(own) and isfinite(value) and value and not _outside(result, each, found)
+        texts.append(f"{own / value:.1%}" if known else "-")
+    return texts
+
+
+def _outside(result: DesignResult, column: Column, found: Verified) -> bool:
+    return column.outside(found) or column.outside(result.verified)
+
+
+def _remarks(result: DesignResult, columns: list[Column], found: Verified) -> list[str]:
+    """Limits that a chain violates, and how the comparison depends on yield."""
+    lines = _not_met(result, found)
+    if met(result.problem, found.values):
+        lines += _dependence(result, columns, found)
+    if str(result.problem.objective.single) != WALL_PEAK:
+        lines += _compared_second_hit(result, found)
+    return lines
+
+
+def reference_remarks(result: DesignResult, found: Verified) -> list[str]:
+    """Sentences on a chain to compare with: limits that it violates, and how yield matters."""
+    return _remarks(result, _columns(result), found)
+
+
+def _not_met(result: DesignResult, found: Verified) -> list[str]:
+    """Limits that a chain violates, also only if its contacts yield, or in new samples."""
+    lines = []
+    if not met(result.problem, found.values):
+        lines.append(f"does NOT meet {_violated_limits(result, found)}")
+    if broken := violated_only_if_yielding(result.problem, found):
+        lines.append(f"does NOT meet {listed([str(each) for each in broken])} {WITH_YIELD}")
+    elif broken := violated_if_fully_plastic(result.problem, found):
+        names = listed([str(each) for each in broken])
+        lines.append(f"does NOT meet {names} if contacts yield {AT_FULLY_PLASTIC}")
+    if exceeded := excess_with_scatter(result.problem, found):
+        lines.append(f"does NOT meet {listed(list(exceeded))} in {FRESH} new samples")
+    return lines
+
+
+def _dependence(result: DesignResult, columns: list[Column], found: Verified) -> list[str]:
+    """A sentence if the comparison is reversed by yield, or if its advantage shrinks."""
+    gains = {
+        each.words: advantage(result, each.value(result.verified), each.value(found))
+        for each in columns
+        if each.words and not _outside(result, each, found)
+    }
+    gains = {words: gain for words, gain in gains.items() if isfinite(gain)}
+    if len(gains) < 2:
+        return []
+    least, most = min(gains.values()), max(gains.values())
+    kinds = {words: _percent(gain) for words, gain in gains.items()}
+    if len(set(kinds.values())) < 2:
+        return []
+    if least < 0.0 < most:
+        return [f"this design is {listed(_phrases(kinds))}: yield reverses the comparison"]
+    if most > 0.0 and least < SHRUNK * most and most - least > LOST:
+        return [f"this design is {listed(_phrases(kinds))}: its advantage depends on yield"]
+    return []
+
+
+def _percent(gain: float) -> str:
+    digits = 0 if abs(gain) >= 0.01 else 1
+    return f"{abs(gain):.{digits}%} {'better' if gain >= 0.0 else 'worse'}"
+
+
+def _phrases(kinds: dict[str, str]) -> list[str]:
+    return [f"{kind} {words}" for words, kind in kinds.items()]
+
+
+def _single_values(result: DesignResult, column: Column) -> list[str]:
+    """The chains to compare with, if they have one value each."""
+    lines = []
+    for name, found in references_in_words(result).items():
+        (value,) = _shown_row(result, [column], found)
+        lines.append(f"  {name}: {value}")
+        if met(result.problem, found.values):
+            (part,) = _parts(result, [column], found)
+            lines += [f"    this design: {part} of this value"] if part != "-" else []
+        lines += [f"    {each}" for each in _remarks(result, [column], found)]
+    return lines
+
 
 def compared_in_words(result: DesignResult, found: Verified) -> str:
-    """Values of a chain to compare with, and which part of each the design has."""
-    return "; ".join([
-        *_compared_in_samples(result, found), _compared_values(result, found),
-        *_compared_second_hit(result, found),
-    ])  # fmt: skip
-
-
-def _compared_in_samples(result: DesignResult, found: Verified) -> list[str]:
-    """The statistic of a scatter in new samples of a chain to compare with, if it has a value."""
-    value, own = (value_in_samples(result, each) for each in (found, result.verified))
-    if isnan(value):
-        return []
-    text = (
-        f"{result.problem.scatter.statistic} {result._shown(value).strip()} in {FRESH} new samples"
-    )
-    if exceeded := excess_with_scatter(result.problem, found):
-        return [f"{text}, which do NOT meet {listed(list(exceeded))}"]
-    return [f"{text}; this design: {own / value:.1%} of this value" if value else text]
-
-
-def _compared_values(result: DesignResult, found: Verified) -> str:
-    """The verified value of a chain to compare with, which has no scatter."""
-    both = compared(result, found)
-    text = result._shown(both.value)
-    # At a small excess of the pressure, the values agree in all digits that are shown.
-    if (yielding := shown_if_yielding(result, found)) != text.strip():
-        text += f" ({yielding} {found.yielding_words})"
-    if result.problem.scatter is not None:
-        text += " without scatter"
-    if not both.met:
-        return f"{text}, which does NOT meet {_violated_limits(result, found)}"
-    if not both.value:
-        return text
-    part = f"{both.own / both.value:.1%}"
-    yielding_part = f"{both.own_if_yielding / both.value_if_yielding:.1%}"
-    text += f"; this design: {part} of this value"
-    if part != yielding_part and both.within_range:
-        text += f", {yielding_part} with contacts that yield"
-    return f"{text}, which reverses the comparison" if both.reversed else text
+    """Values of a chain to compare with, and which part of each the design has, on one line."""
+    columns = _columns(result)
+    values, parts = _shown_row(result, columns, found), _parts(result, columns, found)
+    compared = met(result.problem, found.values)
+    texts = []
+    for column, value, part in zip(columns, values, parts, strict=True):
+        title = f"{column.title} " if len(columns) > 1 else ""
+        shown = f"; this design: {part} of this value" if compared and part != "-" else ""
+        texts.append(f"{title}{value}{shown}")
+    return "; ".join([*texts, *_remarks(result, columns, found)])
 
 
 def _violated_limits(result: DesignResult, found: Verified) -> str:
@@ -81,19 +268,30 @@ def _compared_second_hit(result: DesignResult, found: Verified) -> list[str]:
 
 
 def _second_hit(found: Verified) -> str:
-    return (
-        f"wall_force.peak = {in_words(found.second_peak, 'N', found.chain.units)} in the second hit"
-    )
+    units, text = found.chain.units, ""
+    if found.fully_plastic is not None and isfinite(again := found.fully_plastic.second_peak):
+        text = f" ({in_words(again, 'N', units)} {AT_FULLY_PLASTIC})"
+    return f"{WALL_PEAK} = {in_words(found.second_peak, 'N', units)} in the second hit{text}"
 
 
 def second_hit_in_words(found: Verified) -> list[str]:
     """The peak on the right wall if the chain is struck again with its dents."""
     if isnan(found.second_peak):
         return []
-    return [f"  struck again with these dents: {_second_hit(found)}; the search compares the first "
-            "hit only"]  # fmt: skip
+    return [f"  struck again with these dents: {_second_hit(found)}",
+            "  the search compares the first hit only"]  # fmt: skip
 
 
 def shown_if_yielding(result: DesignResult, found: Verified) -> str:
     """The objective with contacts that yield."""
     return result._shown(objective_if_yielding(result, found)).strip()
+
+
+def shown_yield_range(result: DesignResult, found: Verified) -> str:
+    """The objective at both yield pressures; empty if it is the same or not known."""
+    low, high = objective_if_yielding(result, found), objective_if_fully_plastic(result, found)
+    texts = [result._shown(each).strip() for each in (low, high)]
+    if found.fully_plastic is None or not isfinite(high) or texts[0] == texts[1]:
+        return ""
+    mark = f", {OUTSIDE_LAW}" if found.fully_plastic.outside_range else ""
+    return f"{texts[0]} if they yield {LOW}, {texts[1]} {AT_FULLY_PLASTIC}{mark}"

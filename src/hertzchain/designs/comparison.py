@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from ..chain.yield_pressure import assumes_pressure
 from ..representation import counted
 from ..simulation.state import fingerprint
 from .ball_space import BallSpace
@@ -83,6 +84,29 @@ def objective_if_yielding(result: DesignResult, found: Verified) -> float:
     """Objective with contacts that yield; of a chain whose contacts do not, the elastic one."""
     known = has_yielding_value(result, found)
     return result._objective(found.yielding if known else found.values)
+
+
+def objective_if_fully_plastic(result: DesignResult, found: Verified) -> float:
+    """Objective at the largest possible yield pressure; the elastic one if contacts do not yield.
+
+    NaN if it is not known.
+    """
+    if all(each.of_chain for each in result.problem.objective.measures):
+        return result.objective_of(found)
+    if found.fully_plastic is None:
+        known = has_yielding_value(result, found) or assumes_pressure(found.chain)
+        return math.nan if known else result.objective_of(found)
+    measures = result.problem.objective.measures
+    if any(str(each) not in found.fully_plastic.values for each in measures):
+        return math.nan
+    return result._objective(found.fully_plastic.values)
+
+
+def advantage(result: DesignResult, own: float, other: float) -> float:
+    """Relative part by which a value of the design is better than another one; NaN if unknown."""
+    if not (math.isfinite(own) and math.isfinite(other)) or not other:
+        return math.nan
+    return float(result._sign * (other - own) / abs(other))
 
 
 def better_if_yielding(result: DesignResult) -> int | None:

@@ -36,6 +36,7 @@ from .search_budget import Budget, budget_from, simulations_within
 from .trials import Outcome, Reference, Trials
 from .verification import Verification
 from .verified import Verified, excess_with_scatter, met
+from .yield_range import with_yield_range
 
 RUNNERS_UP: Final = 4
 # Relative difference of an objective between search and verification that causes a note.
@@ -253,6 +254,7 @@ def _result(
                 if np.isfinite(each.outcome.score)}  # fmt: skip
     verification = Verification(trials, len(tops) + len(compared) + len(found.optima))
     best, verified, others = verification.best(tops)
+    verified = with_yield_range(problem, verified)
     promise = found.promise
     space = problem.space
     parts: list[tuple[int, Ball]] = []
@@ -268,7 +270,8 @@ def _result(
     return DesignResult(
         problem, verified, met(problem, verified.values) and not exceeded, best.score,
         None if promise is None else (promise.value, promise.error),
-        {name: verification.reference(each) for name, each in compared.items()},
+        {name: with_yield_range(problem, verification.reference(each))
+         for name, each in compared.items()},
         {name: each.tried for name, each in references.items()},
         bounds_of(problem), found.method, np.array(found.finals),
         np.array(found.finals_met, bool),

@@ -9,6 +9,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..store.chain_as_toml import chain_as_toml, chain_document
 from ..validation.json_types import finite
+from .compared_in_words import reference_remarks
 from .comparison import (
     better_if_yielding,
     compared,
@@ -16,7 +17,11 @@ from .comparison import (
     objective_if_yielding,
     references_in_words,
 )
-from .limits_if_yielding import met_if_yielding
+from .limits_if_yielding import (
+    met_if_yielding,
+    violated_if_fully_plastic,
+    violated_only_if_yielding,
+)
 from .measures import Measure
 
 if TYPE_CHECKING:
@@ -77,6 +82,19 @@ def _range_of_yield(found: Verified) -> dict[str, Any]:
     }
 
 
+def _fully_plastic(found: Verified) -> dict[str, Any] | None:
+    """Values at the largest possible yield pressure, if a smaller one is assumed."""
+    harder = found.fully_plastic
+    if harder is None:
+        return None
+    return {
+        "values": dict(harder.values),
+        "overlap_ratio": harder.overlap_ratio,
+        "within_range": not harder.outside_range,
+        "peak_of_second_hit": harder.second_peak,
+    }
+
+
 def _reference(result: DesignResult, name: str) -> dict[str, Any]:
     """A chain to compare with, and whether contacts that yield reverse the comparison."""
     found = result.references[name]
@@ -86,7 +104,12 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
         "value_with_yielding_contacts": both.value_if_yielding,
         "yielding_reverses_comparison": both.reversed if both.within_range else None,
         **_range_of_yield(found),
+        "at_fully_plastic_pressure": _fully_plastic(found),
         "constraints_met": both.met,
+        "constraints_not_met_with_yielding_contacts": [
+            str(each) for each in violated_only_if_yielding(result.problem, found)
+        ],
+        "remarks": reference_remarks(result, found),
         "scattered": dict(found.scattered),
         "peak_of_second_hit": found.second_peak,
         "balls": equal_balls(result, name) or None,
@@ -122,6 +145,10 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "forces_predicted": not result.verified.not_a_prediction,
         "with_yielding_contacts": dict(result.verified.yielding),
         **_range_of_yield(result.verified),
+        "at_fully_plastic_pressure": _fully_plastic(result.verified),
+        "constraints_not_met_at_fully_plastic_pressure": [
+            str(each) for each in violated_if_fully_plastic(problem, result.verified)
+        ],
         "dents": result.verified.dents or None,
         "peak_of_second_hit": result.verified.second_peak,
         "better_if_yielding": _better_if_yielding(result),
@@ -152,7 +179,8 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
             {"values": dict(point.values),
              "hertz_range_kept": not point.verified.outside_range,
              "with_yielding_contacts": dict(point.verified.yielding),
-             **_range_of_yield(point.verified)} | _balls(point)
+             **_range_of_yield(point.verified),
+             "at_fully_plastic_pressure": _fully_plastic(point.verified)} | _balls(point)
             for point in result.front
         ],
         "front_is_complete": result.front_is_complete if result.front else None,

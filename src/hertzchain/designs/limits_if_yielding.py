@@ -8,7 +8,7 @@ from ..representation import listed
 from .default_limits import OVERLAP
 from .problem import Design
 from .requirements import TOLERANCE, Requirement
-from .verified import WITH_YIELD, Verified
+from .verified import AT_FULLY_PLASTIC, WITH_YIELD, Verified
 
 if TYPE_CHECKING:
     from .result import DesignResult
@@ -30,6 +30,25 @@ def violated_only_if_yielding(problem: Design, found: Verified) -> list[Requirem
         value = value_with_yield(each, found)
         elastic = float(each.excess(found.values[str(each.measure)]))
         if value is not None and each.excess(value) > TOLERANCE >= elastic:
+            exceeded.append(each)
+    return exceeded
+
+
+def violated_if_fully_plastic(problem: Design, found: Verified) -> list[Requirement]:
+    """Limits that are violated at the largest possible yield pressure, but not at the assumed one.
+
+    Values outside the range of the law are not compared.
+    """
+    harder = found.fully_plastic
+    if harder is None or harder.outside_range:
+        return []
+    exceeded = []
+    for each in problem.requirements:
+        value = harder.values.get(str(each.measure))
+        if value is None or each.measure.of_chain or not each.excess(value) > TOLERANCE:
+            continue
+        own = value_with_yield(each, found)
+        if each.excess(found.values[str(each.measure)] if own is None else own) <= TOLERANCE:
             exceeded.append(each)
     return exceeded
 
@@ -63,8 +82,12 @@ def search_with_yield(result: DesignResult) -> list[str]:
 
 def requirement_with_yield(limit: Requirement, found: Verified) -> str:
     """The limited value with contacts that yield, in parentheses; empty if it is not known."""
-    value = value_with_yield(limit, found)
-    return "" if value is None else f" ({limit.shown(value)} {found.yielding_words})"
+    value, harder = value_with_yield(limit, found), found.fully_plastic
+    parts = [] if value is None else [f"{limit.shown(value)} {found.yielding_words}"]
+    if harder is not None and not harder.outside_range and not limit.measure.of_chain:
+        other = harder.values.get(str(limit.measure))
+        parts += [] if other is None else [f"{limit.shown(other)} {AT_FULLY_PLASTIC}"]
+    return f" ({', '.join(parts)})" if parts else ""
 
 
 def not_met_in_words(problem: Design, limit: Requirement, found: Verified) -> str:
@@ -73,4 +96,7 @@ def not_met_in_words(problem: Design, limit: Requirement, found: Verified) -> st
     if not limit.excess(found.values[str(limit.measure)]) <= TOLERANCE:
         return ", NOT met"
     broken = limit in violated_only_if_yielding(problem, found)
-    return f", NOT met {WITH_YIELD}" if broken else ""
+    if broken:
+        return f", NOT met {WITH_YIELD}"
+    harder = limit in violated_if_fully_plastic(problem, found)
+    return f", NOT met if contacts yield {AT_FULLY_PLASTIC}" if harder else ""

@@ -12,6 +12,7 @@ import numpy as np
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..kernels.compile_notice import write_current
 from ..simulation.slow_run import INTERVAL
+from .ball_tapers import geometric_reference
 from .dominance import undominated
 from .front_search import search_front
 from .methods import Found, method_for, run_method
@@ -98,6 +99,7 @@ def _searched_together(trials: Trials, finish: Finish) -> DesignResult:
     first.references = evaluated_references(first)
     one, other = (each.sign for each in trials.problem.objectives)
     ends = search_front(first, second, trials.seed, (one, other))
+    first.references |= geometric_reference(first)
     trials.add_counts(first)
     return finish(first, Found("genetic", ends), ())
 
@@ -199,5 +201,7 @@ def _solve(
     if any(not each.measure.of_chain for each in problem.requirements) and chosen == "law":
         chosen = "hybrid"
     found = run_method(part, chosen, end)
+    if compare:
+        part.references = part.references | geometric_reference(part)
     trials.add_counts(part)
     return finish(part, found, ())

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import itertools
-from math import inf, isnan
+from math import isnan
 from typing import TYPE_CHECKING, Final
 
-import numpy as np
-
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
-from ..chain.yield_pressure import assumed_for_all
+from ..chain.yield_pressure import ASSUMED_PRESSURE, assumed_for_all, assumes_pressure
 from ..representation import counted, listed, usual_unit, with_decimals
 from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
-from .compared_in_words import compared_in_words, second_hit_in_words, shown_if_yielding
+from .compared_in_words import (
+    comparison_lines,
+    second_hit_in_words,
+    shown_if_yielding,
+    shown_yield_range,
+)
 from .comparison import (
     best_reference,
     better_if_yielding,
     has_yielding_value,
-    references_in_words,
 )
 from .limits_if_yielding import (
     met_if_yielding,
@@ -29,24 +30,16 @@ from .limits_if_yielding import (
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
 from .new_samples import FRESH
-from .size_space import SizeSpace
-from .start_rows import ARRIVES
-from .verified import WITH_YIELD, Verified, excess_with_scatter, met, violated
+from .sizes_in_words import order_in_words, parts_in_lines, sizes_in_lines
+from .verified import AT_FULLY_PLASTIC, WITH_YIELD, Verified, excess_with_scatter, met, violated
 
 if TYPE_CHECKING:
     from .result import DesignResult
 
-# Factors to the units in which sizes are shown, and the names of these sizes.
-SHOWN: Final = {
-    "radii": (2e3, "diameters [mm]"), "masses": (1e3, "masses [g]"), "gaps": (1e6, "gaps [um]"),
-}  # fmt: skip
-# Longer lists of sizes are shortened.
-MAX_SIZES: Final = 12
 # Numbers of choices from which they are rounded.
 MAX_EXACT: Final = 1e9
 OUTSIDE_HERTZ: Final = "outside the range of Hertz's law"
 NOT_SEARCHED: Final = "No chain can meet the constraints, so nothing was searched"
-FLAT_STRIKER: Final = "striker with a flat face"
 
 
 def summary(result: DesignResult) -> str:
@@ -56,8 +49,7 @@ def summary(result: DesignResult) -> str:
     problem = result.problem
     lines = _heading(result)
     lines += [f"  {text}" for text in _starts(result)]
-    for name, found in references_in_words(result).items():
-        lines.append(f"  {name}: {compared_in_words(result, found)}")
+    lines += comparison_lines(result)
     lines += _no_better(result)
     if problem.tie_breaker is not None:
         lines.append(
@@ -75,10 +67,10 @@ def summary(result: DesignResult) -> str:
     ]
     if result.parts:
         lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
-        lines += _parts(result)
+        lines += parts_in_lines(result)
     if result.problem.discrete and result.chain.materials is not None:
-        lines.append(f"order: {_order(result)}")
-    lines += _sizes(result)
+        lines.append(f"order: {order_in_words(result)}")
+    lines += sizes_in_lines(result)
     if result.optima:
         lines.append("local optima:")
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
@@ -87,8 +79,15 @@ def summary(result: DesignResult) -> str:
         lines += [
             f"  {i}: {point_in_words(point)}" for i, point in enumerate(result.front, start=1)
         ]
-    lines += [f"note: {note}" for note in (*result.notes, assumed_for_all(result.chain)) if note]
+    lines += [f"note: {note}" for note in (*result.notes, _assumed(result)) if note]
     return "\n".join(lines)
+
+
+def _assumed(result: DesignResult) -> str:
+    """A note on the yield pressure that the search assumes; empty if it is given."""
+    if result.verified.fully_plastic is None or not assumes_pressure(result.chain):
+        return assumed_for_all(result.chain)
+    return f"{ASSUMED_PRESSURE}; the search compares chains at the smaller one"
 
 
 def front_in_words(result: DesignResult) -> str:
@@ -135,7 +134,15 @@ def point_in_words(point: DesignResult) -> str:
         text = f"{each} {in_words(point.values[name], each.unit, units)}"
         if name in yielding and not each.of_chain:
             shown = in_words(yielding[name], each.unit, units)
-            text += f" ({shown} {point.verified.yielding_words})"
+            parts_of = [f"{shown} {point.verified.yielding_words}"]
+        else:
+            parts_of = []
+        harder = point.verified.fully_plastic
+        if harder is not None and not each.of_chain and name in harder.values:
+            beyond = f", {OUTSIDE_LAW}" if harder.outside_range else ""
+            shown = in_words(harder.values[name], each.unit, units)
+            parts_of.append(f"{shown} {AT_FULLY_PLASTIC}{beyond}")
+        text += f" ({', '.join(parts_of)})" if parts_of else ""
         parts.append(text)
     if not isnan(again := point.verified.second_peak):
         parts.append(f"wall_force.peak {in_words(again, 'N', units)} in the second hit")
@@ -200,12 +207,15 @@ def _heading(result: DesignResult) -> list[str]:
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
         caution = caution_outside_law(found.yielding_overlap_ratio)
+        both = "" if caution else shown_yield_range(result, found)
         lines.append(f"  the same chain with contacts that yield, loss=ElasticPlastic(): "
-                     f"{shown_if_yielding(result, found)}{f', {caution}' if caution else ''}"
-                     )  # fmt: skip
+                     f"{both or shown_if_yielding(result, found)}"
+                     f"{f', {caution}' if caution else ''}")  # fmt: skip
         lines += [f"  {found.dents}"] if found.dents and not caution else []
         lines += _better_if_yielding(result)
     elif found.dents:
+        if both := shown_yield_range(result, found):
+            lines.insert(1, f"  {both.replace('they', 'contacts', 1)} (Y: yield strength)")
         lines += [f"  {found.dents}", *second_hit_in_words(found)]
     return lines
 
@@ -383,16 +393,6 @@ def _of_starts(result: DesignResult) -> str:
     return "one start" if count == 1 else f"best of {counted(count, 'start')}"
 
 
-def _parts(result: DesignResult) -> list[str]:
-    """The kinds of balls to buy, with their prices if the catalogue has these."""
-    lines, total = [], 0.0
-    for (count, name), price in zip(result.parts, result.part_prices, strict=True):
-        total += count * price
-        shown = f": {count * price:g} ({price:g} each)" if price == price else ""
-        lines.append(f"  {count} x {name}{shown}")
-    return lines if total != total else [*lines, f"  price of all: {total:g}"]
-
-
 def _requirement(result: DesignResult, index: int) -> str:
     each = result.problem.requirements[index]
     value, name = result.values[str(each.measure)], str(each.measure)
@@ -402,40 +402,6 @@ def _requirement(result: DesignResult, index: int) -> str:
         why = "contacts yield" if _describes_yield(result) else "no force is predicted beyond it"
         text += f" (added because {why}; to lift it, give a limit, such as {name} <= 10)"
     return text + not_met_in_words(result.problem, each, result.verified)
-
-
-def _sizes(result: DesignResult) -> list[str]:
-    """Sizes that varied, of all beads or contacts, with the number of equal neighbours."""
-    space, chain = result.problem.space, result.chain
-    if not isinstance(space, SizeSpace) or not np.isfinite(result.value):
-        return []
-    lines = []
-    for name in dict.fromkeys(block.field for block in space.blocks):
-        factor, shown = SHOWN[name] if chain.units == "SI" else (1.0, name)
-        values = chain.face_radii if name == "radii" else getattr(chain, name)
-        texts = ["flat" if value == inf else f"{factor * value:.4g}" for value in values]
-        groups = [(text, len(list(same))) for text, same in itertools.groupby(texts)]
-        parts = [f"{count} x {text}" if count > 1 else text for text, count in groups]
-        if len(parts) > MAX_SIZES:
-            parts = [*parts[: MAX_SIZES // 2], "...", *parts[-(MAX_SIZES // 2) :]]
-        lines.append(f"{shown}, from the struck end: {', '.join(parts)}")
-    return lines
-
-
-def _order(result: DesignResult) -> str:
-    """Balls from the first to the last, each with the number of equal neighbours."""
-    chain, radii = result.chain, result.chain.face_radii
-    balls = [FLAT_STRIKER if radius == inf else f"{2e3 * radius:g} mm {kind.name}"
-             for radius, kind in zip(radii, chain.materials or (), strict=True)]  # fmt: skip
-    if chain.cap is not None:
-        balls[-1] = "cap"
-    moving = chain.velocities != 0.0
-    groups = itertools.groupby(zip(moving.tolist(), balls, strict=True))
-    runs = []
-    for (arrives, ball), members in groups:
-        count = len(list(members))
-        runs.append((f"{count} x " if count > 1 else "") + ball + ARRIVES * arrives)
-    return ", ".join(runs)
 
 
 def _point(result: DesignResult, index: int) -> str:

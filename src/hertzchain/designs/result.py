@@ -170,6 +170,20 @@ class DesignResult:
         return quietly(self.problem, self.problem.chain, nan, None)
 
     @property
+    def yield_range(self) -> tuple[float, float] | None:
+        """Objective at the smallest and at the largest possible yield pressure.
+
+        These are 1.6 and 2.8 times the yield strength.  `None` if no contacts of the design yield
+        at an assumed pressure; see also `Verified.fully_plastic`.
+        """
+        from .comparison import objective_if_fully_plastic, objective_if_yielding
+
+        if self.verified.fully_plastic is None:
+            return None
+        found = self.verified
+        return objective_if_yielding(self, found), objective_if_fully_plastic(self, found)
+
+    @property
     def front_is_complete(self) -> bool:
         """Whether all choices of balls or orders were simulated, and no point was missed."""
         space, scatter = self.problem.space, self.problem.scatter

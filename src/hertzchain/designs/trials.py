@@ -139,7 +139,7 @@ class Trials:
         """Simulate the chains at several points; at the first ones if the budget ends there."""
         if self.memory is None:
             return self._simulate(points[: self.room], rtol)
-        keys = [str(rtol).encode() + np.ascontiguousarray(point).tobytes() for point in points]
+        keys = [_place(point, rtol) for point in points]
         new = {key: point for key, point in zip(keys, points, strict=True)
                if key not in self.memory}  # fmt: skip
         fresh = [*new][: self.room]
@@ -155,6 +155,12 @@ class Trials:
         found = self.outcomes([*known.values()], np.array([self.memory[key][1] for key in known]))
         self._note(found, 0)
         return found
+
+    def remember(self, outcomes: Sequence[Outcome]) -> None:
+        """Let trials that are not counted become points of a Pareto front."""
+        assert self.memory is not None
+        for each in outcomes:
+            self.memory.setdefault(_place(each.x, RTOL), (each.x, each.values))
 
     def _simulate(self, points: Sequence[Any], rtol: float) -> list[Outcome]:
         found: list[Outcome] = []
@@ -415,3 +421,7 @@ def _key(what: str, points: Sequence[Any]) -> str:
     """Key of a record of the journal."""
     joined = b"".join(np.ascontiguousarray(point).tobytes() for point in points)
     return hashlib.sha256(what.encode() + joined).hexdigest()[:16]
+
+
+def _place(point: Any, rtol: float) -> bytes:
+    return str(rtol).encode() + np.ascontiguousarray(point).tobytes()

@@ -11,6 +11,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
 from ..chain.hertz_ratios import NO_PREDICTION, OUTSIDE_LAW
+from ..chain.materials import FULLY_PLASTIC
 from ..collision import Array
 from ..pulse.quantity_names import COLUMNS
 from ..recorded_warnings import ignore_warnings
@@ -64,6 +65,24 @@ LATER_ON_BODY: Final = (
     "give a later until, or none"
 )
 WITH_YIELD: Final = "with contacts that yield"
+AT_FULLY_PLASTIC: Final = f"at {FULLY_PLASTIC:g} Y"
+
+
+class FullyPlastic(NamedTuple):
+    """Values of measures at the largest possible yield pressure.
+
+    ``overlap_ratio`` is the largest overlap / radius; beyond 0.1, values are outside the range of
+    the law.  ``second_peak`` is the peak on the right wall in a second hit, NaN without one.
+    """
+
+    values: dict[str, float]
+    overlap_ratio: float
+    second_peak: float = math.nan
+
+    @property
+    def outside_range(self) -> bool:
+        """Whether the values are outside the range of the law."""
+        return self.overlap_ratio > NO_PREDICTION
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +116,10 @@ class Verified:
     second_peak : float
         Peak on the right wall if a chain with dents is struck again (`State.struck_again`); NaN
         without one.
+    fully_plastic : FullyPlastic or None
+        The same numbers, `values`, `overlap_ratio` and `second_peak`, at the largest possible
+        yield pressure (2.8 times the yield strength), of the design and the chains to compare
+        with, if contacts yield at an assumed pressure (1.6 times).
     """
 
     chain: Chain
@@ -109,6 +132,7 @@ class Verified:
     yielding_overlap_ratio: float = math.nan
     dents: str = ""
     second_peak: float = math.nan
+    fully_plastic: FullyPlastic | None = None
 
     @property
     def outside_range(self) -> bool:
@@ -139,7 +163,7 @@ class Verified:
 
 
 class _Yield(NamedTuple):
-    """The last four attributes of `Verified`; the default ones are those of elastic contacts."""
+    """Attributes of `Verified` on yield; the default ones are those of elastic contacts."""
 
     values: dict[str, float]
     overlap_ratio: float = math.nan
@@ -231,20 +255,37 @@ def _value(problem: Design, chain: Chain, measure: Measure, table: RunTable) -> 
     return value
 
 
+class _RunWithYield(NamedTuple):
+    """Known values of the measures, and overlaps, of a run with a law of yield."""
+
+    values: dict[str, float]
+    overlap_ratio: float
+    overlaps: Array
+
+
 def _with_yielding_contacts(problem: Design, chain: Chain, values: dict[str, float]) -> _Yield:
     """Values with `ElasticPlastic` contacts, overlap and dents; none if they do not apply."""
-    measures = problem.measures
     if any(m.key in NOT_YIELDING or m.of_whole_run for m in problem.objective.measures):
         return _ELASTIC
-    measures = tuple(m for m in measures if m.columns and m.key not in NOT_YIELDING)
     dented = dented_chain(chain)
-    names = sorted({name for each in measures for name in each.columns})
-    if dented is None or not names:
+    found = None if dented is None else run_with_yield(problem, dented, values)
+    if dented is None or found is None:
         return _ELASTIC
+    return _Yield(found.values, found.overlap_ratio, dents_in_words(dented, found.overlaps))
+
+
+def run_with_yield(
+    problem: Design, dented: Chain, values: dict[str, float]
+) -> _RunWithYield | None:
+    """Values of a chain with a law of yield; those of the chain itself are in ``values``."""
+    measures = tuple(m for m in problem.measures if m.columns and m.key not in NOT_YIELDING)
+    names = sorted({name for each in measures for name in each.columns})
+    if not names:
+        return None
     sensors = sensors_of(measures, [dented])
     table = tabulate_runs([dented], keep=[*names, "end_time"], sensors=sensors, until=problem.until)
     if table.reasons:
-        return _ELASTIC
+        return None
     if problem.until is None and any(np.isnan(m.from_table(table)[0]) for m in measures):
         until = LONGER * float(table["end_time"][0])
         table = tabulate_runs([dented], keep=names, sensors=sensors, until=until)
@@ -252,9 +293,8 @@ def _with_yielding_contacts(problem: Design, chain: Chain, values: dict[str, flo
     found = {str(m): float(m.from_table(table)[0]) for m in measures}
     # Incomplete peaks have no value.
     known = of_chain | {name: value for name, value in found.items() if np.isfinite(value)}
-    overlaps = table._overlaps[0, : chain.beads + 1]
-    ratio = largest_overlap_ratio(dented, overlaps)
-    return _Yield(known, ratio, dents_in_words(dented, overlaps))
+    overlaps = table._overlaps[0, : dented.beads + 1]
+    return _RunWithYield(known, largest_overlap_ratio(dented, overlaps), overlaps)
 
 
 def _later_motion(problem: Design, chain: Chain, values: dict[str, float]) -> list[str]:

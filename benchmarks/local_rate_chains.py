@@ -8,6 +8,7 @@ from scipy.ndimage import gaussian_filter1d
 
 SMOOTH = ("sines", "spline", "sigmoids", "power", "gauss", "chirp", "ramps", "noise")
 SCATTERS = (0.001, 0.003, 0.01, 0.02)
+LINEAR_SCATTERS = (0.003, 0.01, 0.02, 0.05)
 ALTERNATING = (0.99, 0.97, 0.9)
 HIGHEST, LONGEST = 0.3, 25.0
 # Changes of a taper that are so small that a warning is just missing.
@@ -197,7 +198,20 @@ def forward_chains(count: int, seed: int, lowest: float = -0.14) -> Named:
     return found
 
 
+def backward_linear_chains(count: int, seed: int) -> Named:
+    """Backward-linear tapers whose radii scatter: first, steep rates change quickly."""
+    random = np.random.default_rng((seed, 2))
+    found: Named = []
+    for _ in range(count):
+        for scatter in LINEAR_SCATTERS:
+            step = np.exp(random.uniform(np.log(0.05), np.log(1.5)))
+            rates = np.diff(np.log1p(step * np.arange(60.0))) + scattered(random, scatter, 60)
+            found.append((f"backward-linear, scatter {scatter:.1%}", rates))
+    return found
+
+
 def all_chains(count: int, seed: int, lowest: float = -0.14) -> Named:
     """Chains of all classes."""
     makers = (chains_by_kind, steep_chains, forward_chains)
-    return [each for make in makers for each in make(count, seed, lowest)]
+    found = [each for make in makers for each in make(count, seed, lowest)]
+    return found + backward_linear_chains(count, seed)

@@ -33,6 +33,9 @@ REGULAR_SLOW = 0.955
 # Part of alternating fast changes that is not in doubt, and weights of changes of this part, as the
 # effect is known where the rates have alternated for some contacts, and of those of the slow rate.
 EXACT, TRANSITION, CHANGING = 0.995, 4.0, 3.6
+# Additional weight of fast changes where the slow rate changes at the first contacts of backward
+# tapers, because the products of both are those within the chain, and rate at which it is half.
+OF_START, BACKWARD_START = 9.0, 0.05
 # Decay per contact of errors that do not accumulate, and weights of changes out of sight, and of
 # changes of the slow rate one and two contacts ahead.
 FADING, OF_AHEAD, OF_NEXT, OF_SECOND = 0.75, 0.8, 0.5, 0.1
@@ -261,7 +264,9 @@ def write_parts(contacts, ending, slow, fast, doubts, regular, parts):
         jagged += (1.0 - remembered) * max(-step * before, 0.0)
         before = step
         of_regular = change_of_regular(k, slow, fast, regular, all_of_it - size)
-        mixed += (size * step * step * doubted + of_regular) * forgotten
+        backward = 1.0 - memory(q, BACKWARD_START) if k < RECURSIVE else 0.0
+        of_steps = (1.0 + OF_START * backward) * size * step * step * doubted
+        mixed += (of_steps + of_regular) * forgotten
         steps = step * step + OF_NEXT * step_square(k + 1, slow)
         both = size + doubted * steps * (MORE_ACCURATE if k < FIRST else 1.0)
         if k < EARLY:

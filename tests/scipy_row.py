@@ -34,9 +34,9 @@ def chain(**fields):
 @functools.cache
 def forces(
     spacing=SPACING, gap=0.0, behind=8, exponent=1.5, static=0.0, velocity=VELOCITY, heavier=1.0,
-    wall_young=WALL_YOUNG, gravity=0.0,
+    wall_young=WALL_YOUNG, gravity=0.0, cell=0.0,
 ):  # fmt: skip
-    """Forces of the sensors after the impact, by name."""
+    """Forces of the sensors after the impact, by name; a load cell is a linear spring."""
     count = BALLS + 1
     masses = np.full(count, DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3)
     masses[[ball for ball in SENSORS.values() if ball is not None]] *= heavier
@@ -45,11 +45,14 @@ def forces(
     wall = 4.0 / 3.0 / (softness + (1.0 - POISSON**2) / wall_young) * math.sqrt(RADIUS)
     # Of the same force at an overlap of 2 um.
     k = FACTOR * np.array([inner] * (count - 1) + [wall]) * 2e-6 ** (1.5 - exponent)
+    powers, loss_times = np.full(count, exponent), np.full(count, LOSS_TIME)
+    if cell:
+        k[-1], powers[-1], loss_times[-1] = cell, 1.0, 0.0
     gaps = np.zeros(count)
     gaps[behind] = gap
     # The striker does not rest on the balls.
     weights = gravity * np.concatenate(([0.0], np.cumsum(masses[1:])))
-    at_rest = ((static + weights) / k) ** (1.0 / exponent) - gaps
+    at_rest = ((static + weights) / k) ** (1.0 / powers) - gaps
 
     def forces_of(x, v):
         overlap = (
@@ -57,9 +60,10 @@ def forces(
         )
         rate = v - np.concatenate((v[1:], 0.0 * v[:1]))
         closed = np.maximum(overlap, 0.0)
-        slope = exponent * closed ** (exponent - 1.0)
-        stiffness = k.reshape(-1, *[1] * (x.ndim - 1))
-        return stiffness * (closed**exponent + LOSS_TIME * slope * rate)
+        stiffness, p, loss = (each.reshape(-1, *[1] * (x.ndim - 1))
+                              for each in (k, powers, loss_times))  # fmt: skip
+        slope = p * closed ** (p - 1.0) * (closed > 0.0)
+        return stiffness * (closed**p + loss * slope * rate)
 
     def derivatives(_, y):
         force = forces_of(y[:count], y[count:])

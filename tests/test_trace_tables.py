@@ -24,5 +24,6 @@ def test_tables_of_comparisons_state_the_units_of_times():
     run = hc.simulate(hc.load_chain(chain), until=600e-6, times=1201)
     table = run.compare(traces).to_dataframe()
     times = ["measured_arrival", "simulated_arrival", "arrival_error", "delay"]
+    times += ["measured_duration", "simulated_duration"]
     assert table.attrs["units"] == dict.fromkeys(times, "s")
     assert {*times, "unit"} < {*table.columns}

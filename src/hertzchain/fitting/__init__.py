@@ -12,10 +12,10 @@
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `steps` and `causes`,
-  `static_causes`, `constant_causes`, `free_causes`, `row_causes`, `gap_causes` with `rough_gaps`,
-  `ball_counts`, `ball_count_causes`, `common_effects`, `advice` and `second_pulse`,
-  `plausibility`, `prior_conflicts`, `without_priors`, `cap_notes`, `unused_parameters`,
-  `silent_sensors`;
+  `static_causes`, `constant_causes`, `free_causes`, `row_causes`, `gap_causes` with `rough_gaps`
+  and `end_gaps`, `ball_counts`, `ball_count_causes`, `common_effects`, `advice` and
+  `second_pulse`, `plausibility`, `prior_conflicts`, `without_priors`, `cap_notes`,
+  `unused_parameters`, `silent_sensors`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
   `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan` with its
@@ -23,7 +23,7 @@
 - data compared with a simulation, without a fit: `compare_traces`, `compared_run`,
   `trace_comparison`,
   `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,
-  `ball_count_notes`, `comparison_notes`, `compared_part`, `coarse_sampling`;
+  `ball_count_notes`, `comparison_notes`, `first_pulses`, `compared_part`, `coarse_sampling`;
 - data that are read in another way: `misread_columns`, `misread_places`, `misread_times`,
   `exchanged_columns`;
 - the shipped data: `example_experiment`.

@@ -35,6 +35,7 @@ from .coarse_sampling import sampling_notes
 from .compared_part import check_reached, covered_part
 from .comparison_notes import level_notes, missing_notes, pulse_notes, unit_notes
 from .exchanged_columns import exchange_notes
+from .first_pulses import shape_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
 from .misread_times import time_notes
@@ -135,6 +136,7 @@ def _crest_notes(
     outside = sensors_outside(shot, columns, found.signals)
     return [
         *missing_notes(found.sensors), *pulse_notes(run, shot, columns, inside, until),
+        *shape_notes(shot, found.signals, found.sensors, outside),
         *odd_sensor_notes(found.sensors, shot, inside, outside),
     ]  # fmt: skip
 

@@ -31,6 +31,25 @@ def reached(times: Array, values: Array, level: float, longest: float = np.inf) 
     return float(np.interp(1.0, height[pair], times[pair]))
 
 
+def duration_above(times: Array, values: Array, level: float, longest: float = np.inf) -> float:
+    """Time from the first crossing of a level to the last one before a fall to half of it.
+
+    Noise may cross the level several times.  It is NaN if a crossing is outside the samples, or in
+    a gap as for `reached`.
+    """
+    height = values / level
+    first = int(np.argmax(height >= 1.0))
+    fallen = np.flatnonzero(height[first:] < ARRIVED)
+    if height[first] < 1.0 or first == 0 or not len(fallen):
+        return np.nan
+    last = first + int(np.flatnonzero(height[first : first + fallen[0]] >= 1.0)[-1])
+    ends = slice(last, last + 2)
+    end = reached(-times[ends][::-1], values[ends][::-1], level)
+    if np.diff(times[ends])[0] > max(longest, 1.5 * float(np.median(np.diff(times)))):
+        return np.nan
+    return -end - reached(times, values, level, longest)
+
+
 def half_width(times: Array, values: Array) -> float:
     """Time during which a signal exceeds half of its peak, around the peak."""
     height = values / extreme(values)

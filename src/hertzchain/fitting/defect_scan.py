@@ -16,13 +16,14 @@ from ..validation.objects import Progress, callback, check_choice, check_type
 from .ball_counts import ball_count
 from .defect_fits import fit_of_defect, with_parameter
 from .diagnosis import diagnosed
+from .end_gaps import end_gaps
 from .fit import fitted
 from .flat_valleys import GAPS
 from .names import Name
 from .parameters import kind_and_value
 from .problem import Problem
 from .result import FitResult
-from .rough_gaps import WIDE, RoughGap, gap_names, own_cost, rough_gap, sizes_of
+from .rough_gaps import WIDE, RoughGap, better_of, gap_names, own_cost, rough_gap, sizes_of
 from .summary_width import summary_width
 from .symmetry import units_of
 
@@ -345,10 +346,12 @@ def _with_rough(scan: DefectScan, progress: Progress | None) -> DefectScan:
     result, count = scan.result, len(scan.names)
     far = [each for each in _names("gap", result) if WIDE[-1] in sizes_of(each, result)]
     gained, sizes, rough = scan.improvements.copy(), scan.sizes.copy(), {}
-    cost = own_cost(result)
+    cost, ends = own_cost(result), end_gaps(result)
+    far += [name for name in ends if name not in far]
     for done, name in enumerate(far):
         i = scan.names.index(str(name))
-        found = rough_gap(result, name, WIDE)
+        near = rough_gap(result, name, WIDE) if WIDE[-1] in sizes_of(name, result) else None
+        found = better_of(near, ends.get(name))
         if found is not None and cost - found.cost > gained[i]:
             rough[str(name)] = found
             gained[i], sizes[i] = cost - found.cost, found.size

@@ -8,14 +8,17 @@ from typing import Final
 from ..errors import InputError, SimulationError
 from ..representation import measure
 from .causes import Cause, Refit
+from .end_gaps import end_gaps
 from .flat_valleys import GAPS
 from .free_causes import PROMISING
+from .least_squares import GOOD
 from .names import Name
 from .problem import Problem
 from .result import FitResult
 from .rough_gaps import (
     SMALL,
     RoughGap,
+    better_of,
     contact_words,
     gap_names,
     is_between,
@@ -68,7 +71,11 @@ def small_gap_causes(result: FitResult, delayed: Name, refit: Refit) -> Iterator
 def _all_rough(result: FitResult) -> list[RoughGap | None]:
     """The rough fits of a gap at each contact but that with the striker, in their order."""
     names = [each for each in gap_names(result.chain) if not _only_delays(each)]
-    return [rough_gap(result, name, sizes_of(name, result)) for name in names]
+    far = end_gaps(result)
+    if any(each.cost < GOOD * result.problem.expected for each in far.values()):
+        return [*far.values()]
+    near = {name: rough_gap(result, name, sizes_of(name, result)) for name in names}
+    return [better_of(near[name], far.get(name)) for name in names]
 
 
 def _neighbours(

@@ -111,8 +111,13 @@ def sizes_of(name: Name, result: FitResult) -> tuple[float, ...]:
 def rough_gap(result: FitResult, name: Name, sizes: Sequence[float]) -> RoughGap | None:
     """The best rough fit of a gap from these sizes, in units of the motion."""
     unit = units_of(result.chain).scales.length
-    found = [_rough(result, name, size * unit) for size in sizes]
-    return min((each for each in found if each is not None), key=lambda one: one.cost, default=None)
+    return better_of(*(_rough(result, name, size * unit) for size in sizes))
+
+
+def better_of(*gaps: RoughGap | None) -> RoughGap | None:
+    """The rough fit with the least sum of squares, if there is any."""
+    found = (each for each in gaps if each is not None)
+    return min(found, key=lambda one: one.cost, default=None)
 
 
 def own_cost(result: FitResult) -> float:
@@ -159,14 +164,24 @@ def _solved(
     like: Problem, model: Model, values: Mapping[Name, float], name: Name,
     evaluations: int = EVALUATIONS,
 ) -> RoughGap | None:  # fmt: skip
-    """The rough fit from values whose time offsets are aligned first; none if it fails.
+    """The rough fit from values whose time offsets are aligned first; none if it fails."""
+    try:
+        # Only a time offset depends on the gap so strongly that a search from others fails.
+        moved = aligned(model, dict(values))
+    except (InputError, SimulationError):
+        return None
+    values = {each: (moved if each.key == TIME_OFFSET else values)[each] for each in values}
+    return solved_from(like, model, values, name, evaluations)
+
+
+def solved_from(
+    like: Problem, model: Model, values: Mapping[Name, float], name: Name, evaluations: int
+) -> RoughGap | None:
+    """The rough fit from values; none if it fails.
 
     Samples have the weights of another problem, so that sums of squares can be compared.
     """
     try:
-        # Only a time offset depends on the gap so strongly that a search from others fails.
-        moved = aligned(model, dict(values))
-        values = {each: (moved if each.key == TIME_OFFSET else values)[each] for each in values}
         problem = _starting(model, values, like)
         solution = roughly_solved(problem, evaluations)
     except (InputError, SimulationError):

@@ -17,7 +17,7 @@ from ..traces.amplitudes import ARRIVED, extreme, level_of
 from ..traces.crests import crest_of_record
 from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
-from .crossings import arrival_error, half_width, reached
+from .crossings import arrival_error, duration_above, half_width, reached
 from .misread_columns import prefix_of
 from .shown_values import shown_difference, shown_part
 
@@ -85,6 +85,9 @@ class SensorComparison:
     peak_error : float
         Standard error of the measured peak from the noise, in the unit of the signal; NaN if the
         crest is missing, or if too few samples are near it.
+    measured_duration, simulated_duration : float
+        Time from the arrival until the signal falls below half of its peak again [s]: the width of
+        the first pulse; NaN if an end or the crest is not in the data.
     """
 
     name: str
@@ -100,6 +103,8 @@ class SensorComparison:
     saturated: bool = False
     crest_missing: bool = False
     peak_error: float = np.nan
+    measured_duration: float = np.nan
+    simulated_duration: float = np.nan
 
     @property
     def lower_bound(self) -> bool:
@@ -227,11 +232,18 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
     arrival = reached(times[present], measured, levels[0], SHORT * width)
     known = not (saturated or missing) and np.isfinite(arrival)
     error = arrival_error(times[covered], simulated, peaks[0], signal.sigma) if known else np.nan
+    # Noise may reach half of a small peak before the pulse arrives.
+    clear = known and abs(levels[0]) > ABOVE_NOISE * signal.sigma
+    durations = (
+        duration_above(times[present], measured, levels[0], SHORT * width),
+        duration_above(times[covered], simulated, levels[1]),
+    ) if clear else (np.nan, np.nan)  # fmt: skip
     return SensorComparison(
         signal.name, signal.unit, signal.place.quantity, *peaks,
         arrival, reached(times[covered], simulated, levels[1]), error,
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
         crest.error if smooth else np.nan,
+        *durations,
     )  # fmt: skip
 
 

@@ -131,6 +131,19 @@ class TraceComparison:
         return f"{with_error(factor * self.time_offset, factor * error)} {unit}"
 
     @property
+    def _durations(self) -> list[str]:
+        """A line on the durations of the first pulses, if any is known."""
+        pairs = [
+            f"{each.name} {1e6 * each.measured_duration:.3g} and "
+            f"{1e6 * each.simulated_duration:.3g} us"
+            for each in self.sensors
+            if np.isfinite(each.measured_duration) and np.isfinite(each.simulated_duration)
+        ]
+        if not pairs:
+            return []
+        return [f"first pulse above half of its peak, measured and simulated: {'; '.join(pairs)}"]
+
+    @property
     def _peak_errors(self) -> list[str]:
         """A line on the standard errors of the measured peaks, if any is known."""
         errors = [
@@ -185,6 +198,7 @@ class TraceComparison:
             *(each.row for each in self.sensors),
             "peak: of the crest, from the level before the pulse; arrival: at half of the peak;",
             "residual: rms of data minus simulation over the measured peak",
+            *self._durations,
             *self._peak_errors,
             *self._arrival_errors,
         ]
@@ -202,7 +216,7 @@ class TraceComparison:
         return f"{self.notes[0]}; {as_named}" if self.exchanged else ""
 
     def to_dataframe(self) -> pd.DataFrame:
-        """Table of peaks, arrivals [s], their differences and residuals, one row per sensor.
+        """Table of peaks, arrivals and durations [s], and residuals, one row per sensor.
 
         Returns
         -------
@@ -222,7 +236,10 @@ class TraceComparison:
 
         rows = [asdict(each) | {"delay": each.delay} for each in self.sensors]
         table = pd.DataFrame(rows).set_index("name").rename_axis("sensor")
-        times = ("measured_arrival", "simulated_arrival", "arrival_error", "delay")
+        times = (
+            "measured_arrival", "simulated_arrival", "arrival_error", "delay",
+            "measured_duration", "simulated_duration",
+        )  # fmt: skip
         # Peaks are in the unit of each sensor, which is a column.
         table.attrs["units"] = dict.fromkeys(times, "s")
         return table

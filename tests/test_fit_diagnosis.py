@@ -426,11 +426,21 @@ def test_another_mass_of_the_balls_with_sensors_is_named(heavier):
     assert found.chain.masses[6] == chain().masses[6]
 
 
+@pytest.mark.parametrize("name", ["gap[3-40]", "mass[17]"])
+def test_messages_count_balls_and_cap_separately(name):
+    capped = chain().with_cap("5 g")
+    what = "a contact" if "gap" in name else "a ball"
+    words = f"{name} is not {what} of this chain, whose balls are 1 to 15, and whose cap is 16"
+    with pytest.raises(hc.InputError, match=re.escape(words)):
+        hc.fit(traces(), capped, free=[*FREE, name])
+
+
 @pytest.mark.parametrize(
     ("name", "words"),
     [
         ("mass[5,16]", "mass[5,16] are not balls of this chain, whose balls are 1 to 15"),
         ("mass[5,]", "mass[5,] are not balls of this chain"),
+        ("gap[3-40]", "gap[3-40] is not a contact of this chain, whose balls are 1 to 15; name"),
         ("radius[4,5]", "radius[4,5] requires balls of one radius, but theirs are 0.005 to 0.006"),
     ],
 )

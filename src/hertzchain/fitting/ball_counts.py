@@ -20,6 +20,13 @@ def ball_count(chain: Chain) -> int:
     return chain._balls.stop - chain._balls.start
 
 
+def numbers_in_words(chain: Chain) -> str:
+    """Numbers of the balls and of a cap, such as "balls are 1 to 16, and whose cap is 17"."""
+    balls = ball_count(chain)
+    cap = f", and whose cap is {balls + 1}" if chain.cap is not None else ""
+    return f"balls are 1 to {balls}{cap}"
+
+
 def with_ball_more(chain: Chain) -> Chain:
     """The chain with another ball behind the last one, which continues the pattern of the balls."""
     end = chain._balls.stop

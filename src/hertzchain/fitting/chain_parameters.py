@@ -23,6 +23,7 @@ from ..errors import InputError, unknown_name_error
 from ..recorded_warnings import ignore_warnings
 from ..units import is_unit
 from ..validation.numbers import FRACTION
+from .ball_counts import numbers_in_words
 from .law_parameters import (
     SMOOTH_STEP,
     SWITCHING,
@@ -199,7 +200,7 @@ def bead_indices(chain: Chain, name: Name) -> list[int]:
     numbers = [part.strip() for part in name.item.split(",")]
     if not all(each.isdigit() and 1 <= int(each) <= balls for each in numbers):
         which = "is not a ball" if len(numbers) == 1 else "are not balls"
-        raise InputError(f"{name} {which} of this chain, whose balls are 1 to {balls}")
+        raise InputError(f"{name} {which} of this chain, whose {numbers_in_words(chain)}")
     return [int(each) + chain.strikers - 1 for each in numbers]
 
 

@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..chain.laws import Loss
 from ..chain.per_contact import MaterialPairs
 from ..errors import InputError
+from .ball_counts import numbers_in_words
 from .law_parameters import has, walls_with_own_laws
 from .names import ENDS, Name
 
@@ -25,8 +26,8 @@ def contact_index(chain: Chain, name: Name) -> int:
     index = first + chain.strikers - 1
     if second != first + 1 or not 0 <= index < chain.beads - 1:
         raise InputError(
-            f"{name} is not a contact of this chain, whose balls are 1 to "
-            f"{chain.beads - chain.strikers}; name two neighbours, such as {Name(name.key, '8-9')}"
+            f"{name} is not a contact of this chain, whose {numbers_in_words(chain)}; name two "
+            f"neighbours, such as {Name(name.key, '8-9')}"
         )
     return index
 

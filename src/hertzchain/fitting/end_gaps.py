@@ -9,7 +9,7 @@ them, simulations with gaps of many sizes show the best one.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -24,7 +24,7 @@ from ..traces.traces import Traces
 from .ball_counts import ball_count
 from .crossings import reached
 from .least_squares import roughly_solved
-from .model import Values
+from .model import Model, Values
 from .names import Name
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
@@ -42,9 +42,22 @@ SIZES: Final = tuple(np.geomspace(0.05, 20.0, 25).tolist())
 # Evaluations of the fit to the first samples, and of that with a gap.
 EVALUATIONS: Final = 12
 
+# Largest number of contacts at which gaps are fitted.
+MAX_FITS: Final = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """The size of a gap with the least sum of squares, and the model that has it."""
+
+    cost: float
+    name: Name
+    size: float
+    model: Model
+
 
 def end_gaps(result: FitResult) -> dict[Name, RoughGap]:
-    """The rough fits of a gap at each contact behind the last ball with a sensor."""
+    """The rough fits of a gap at the most likely contacts behind the last ball with a sensor."""
     last = max(_sensors(result.traces.shots[0], result.chain).values(), default=0)
     names = [
         name for name in gap_names(result.chain)
@@ -55,8 +68,15 @@ def end_gaps(result: FitResult) -> dict[Name, RoughGap]:
     values = values_before_waves_return(result)
     if values is None:
         return {}
-    found = {name: _at(result, name, values) for name in names}
-    return {name: gap for name, gap in found.items() if gap is not None}
+    trials = [each for each in (_best_size(result, name, values) for name in names) if each]
+    likely = sorted(trials, key=lambda each: each.cost)[:MAX_FITS]
+    gaps = {
+        each.name: solved_from(
+            result.problem, each.model, {**values, each.name: each.size}, each.name, EVALUATIONS
+        )
+        for each in trials if each in likely
+    }  # fmt: skip
+    return {name: gap for name, gap in gaps.items() if gap is not None}
 
 
 def values_before_waves_return(result: FitResult) -> Values | None:
@@ -111,18 +131,17 @@ def _arrival(times: Array, values: Array) -> float:
     return reached(times, values, ARRIVING * extreme(values))
 
 
-def _at(result: FitResult, name: Name, values: Values) -> RoughGap | None:
-    """The rough fit from the best of many sizes of a gap."""
+def _best_size(result: FitResult, name: Name, values: Values) -> Trial | None:
+    """The best of many sizes of a gap, without any fit."""
     model = result.model
     kind, _ = kind_and_value(name, model.traces, model.chains)
     unit = units_of(result.chain).scales.length
-    parameters = (*model.parameters, Parameter(name, kind, unit))
-    changed = replace(model, parameters=parameters)
+    changed = replace(model, parameters=(*model.parameters, Parameter(name, kind, unit)))
     costs = dict(_costs(result, Problem(changed), name, values, unit))
     if not costs:
         return None
-    best = min(costs, key=lambda size: costs[size])
-    return solved_from(result.problem, changed, {**values, name: best}, name, EVALUATIONS)
+    size = min(costs, key=lambda each: costs[each])
+    return Trial(costs[size], name, size, changed)
 
 
 def _costs(

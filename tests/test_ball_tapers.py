@@ -87,3 +87,19 @@ def test_searches_with_scatter_and_fronts_have_a_taper_but_orders_have_none():
     row = problem.chain.replace(radii=[15e-3, 10e-3, 8e-3, 5e-3, 4e-3, 3e-3, 2e-3])
     order = hc.Design(row, maximise="velocity@last", vary=[hc.vary.order(beads="2:")])
     assert geometric_tapers(order.space) == []
+
+
+def test_neighbours_of_very_different_sizes_are_named():
+    """The largest ratio of a chosen ball and its neighbour, and the key that limits it."""
+    row = hc.Chain.from_materials(
+        "5 mm", "steel-52100", beads=4, right_wall=hc.Wall.of("steel-52100"), velocity="0.01 m/s"
+    )
+    for diameters, noted in ((["1.5 mm", "2 mm"], True), (["3 mm", "4 mm"], False)):
+        kinds = hc.vary.balls(materials=["steel-52100"], diameters=diameters, beads="2:")
+        found = hc.design(hc.Design(row, minimise="wall_force.peak", vary=[kinds]), budget=100)
+        notes = [each for each in found.notes if each.startswith("neighbouring balls")]
+        assert len(notes) == noted
+        first, second = 2e3 * found.chain.radii[:2]
+        said = f"of {first:.4g} mm and {second:.4g} mm (beads 1 and 2) differ by a factor of "
+        assert all(f"{said}{first / second:.2g}: " in each for each in notes)
+        assert all("limit the sizes with diameters" in each for each in notes)

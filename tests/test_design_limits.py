@@ -206,5 +206,5 @@ def test_a_stock_has_a_row_to_compare_with_that_is_short_enough(tmp_path):
         "geometric taper": pytest.approx(34e-3),
     }
     text = found.summary()
-    assert "which does NOT meet length <= 36 mm (40 mm)" in text
+    assert "    does NOT meet length <= 36 mm (40 mm)\n" in text
     assert "best row of balls sorted by size (of 2 tried)" in text

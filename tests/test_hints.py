@@ -15,10 +15,20 @@ mass = "50 g"
 """
 
 
+@pytest.mark.parametrize("flat", ["flat = true", 'radius = "flat"', "radius = inf"])
+def test_a_flat_striker_has_three_spellings(flat, tmp_path):
+    path = tmp_path / "chain.toml"
+    path.write_text(ROW.format(diameters='"8 mm"', striker=flat))
+    assert hc.load_chain(path).striker_properties[0].flat
+    path.write_text(ROW.format(diameters='"8 mm"', striker="flat = false"))
+    assert not any(each.flat for each in hc.load_chain(path).striker_properties)
+
+
 @pytest.mark.parametrize(
     ("striker", "hint"),
     [
-        ("flat = true", 'for a flat face, write radius = "flat"'),
+        ('flat = "yes"', 'for a flat face, write radius = "flat"'),
+        ('flat = true\nradius = "5 mm"', "has flat = true and radius: omit one of them"),
         ('radius = "Inf"', "got 'Inf'; write inf without quotation marks"),
     ],
 )

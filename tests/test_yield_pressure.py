@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -217,3 +218,35 @@ def test_designs_and_comparisons_share_the_assumption(run, tmp_path):
     assert code == 0, err
     assert note in out
     assert "use loss" not in out
+
+
+LATE = """
+[chain]
+diameters = ["10 mm", "4 mm", "6 mm", "6 mm", "6 mm"]
+materials = "steel-52100"
+right_wall = {material = "steel-52100"}
+
+[[chain.struck_by]]
+mass = "2 g"
+flat = true
+velocity = "0.256 m/s"
+"""
+
+
+def test_a_peak_before_first_yield_is_the_same_with_contacts_that_yield(tmp_path, run):
+    """The time is that of a run of contacts that yield, which has no dents before."""
+    path = tmp_path / "late.toml"
+    path.write_text(LATE)
+    out = run("simulate", str(path)).stdout
+    (time,) = re.findall(
+        r"  peak with contacts that yield: the same; contacts first yield at (\S+) us, after this "
+        r"peak\n", out,
+    )  # fmt: skip
+    assert "to 2.8 times the yield strength" not in out
+    chain = hc.load_chain(path).replace(loss=hc.ElasticPlastic())
+    before, after = (
+        hc.simulate(chain, until=1e-6 * float(time) + shift) for shift in (-6e-7, 6e-7)
+    )
+    assert not before.dents.any()
+    assert after.dents.any()
+    assert hc.simulate(chain).wall_force().peak_time < 1e-6 * float(time)

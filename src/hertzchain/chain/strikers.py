@@ -244,7 +244,7 @@ def _striker(
     plain = plain_magnitude("radius of a striker", radius, unit)
     if isinstance(plain, float) and plain == math.inf:
         if mass is None:
-            raise InputError("a flat striker (radius = inf) has no default mass; give mass")
+            raise InputError("a flat striker (radius = 'flat') has no default mass; give mass")
         return own, math.inf, mass, sphere
     radius = number("radius of a striker", radius, unit=unit, above=0.0)
     return own, radius, mass, radius

@@ -13,6 +13,7 @@ from ..simulation.yielding import (
     contacts_without_strength,
     dents_in_words,
     elastic_springs,
+    first_yield_after_peak,
     not_a_prediction,
     peak_with_yielding_contacts,
     pressures_below_yield,
@@ -196,6 +197,10 @@ def _if_yielding(run: Run, yielding: Yielding) -> list[str]:
     shown = measure(peak.value, "N", run.chain.units, 5)
     outside = f", {peak.caution}" if peak.outside else ""
     so_far = " so far" if peak.so_far else ""
+    if (time := first_yield_after_peak(run, peak)) is not None:
+        when = measure(time, "s", run.chain.units, 3)
+        return [f"  peak{so_far} with contacts that yield: the same; contacts first yield at "
+                f"{when}, after this peak"]  # fmt: skip
     lines = [f"  peak{so_far} with contacts that yield: {shown} (--loss elastic-plastic){outside}"]
     if harder is not None and not peak.outside:
         several = peak.several_pulses or harder.several_pulses

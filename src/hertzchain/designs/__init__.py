@@ -10,9 +10,9 @@
   `dominance`;
 - values and derivatives: `measured`, theories in `models`, `exact_gradients`,
   `overlap_slopes`, `finite_differences`, contacts in `yielding`;
-- the result: `result`, `verification`, `verified`, `new_samples`, `bounds`, `reference_chains`,
-  `ball_tapers`, `yield_range`, `comparison`, `limits_if_yielding`, `curves`, `rejections`,
-  `report`, `compared_in_words`, `sizes_in_words`, `exports`;
+- the result: `result`, `verification`, `verified`, `new_samples`, `bounds`, `neighbours`,
+  `reference_chains`, `ball_tapers`, `yield_range`, `comparison`, `limits_if_yielding`, `curves`,
+  `rejections`, `report`, `compared_in_words`, `sizes_in_words`, `exports`;
 - deviations of beads: `sensitivity`, `distribution`.
 """
 

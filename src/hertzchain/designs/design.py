@@ -27,6 +27,7 @@ from .bounds import bounds_of, impossible, note_on_impact
 from .dry_run import Estimate, estimate
 from .measures import in_words, notes_on
 from .methods import SEEDED, Found, method_for, run_method
+from .neighbours import notes_on_neighbours
 from .pareto import MAX_POINTS, SEARCHES, compared_points, design_front
 from .problem import Design
 from .reference_chains import evaluated_references, reference_count
@@ -264,6 +265,7 @@ def _result(
     notes = (
         *notes, *note_on_impact(problem), *_differs(trials, best, verified, found.method),
         *notes_on(verified.chain, problem.measures), *verified.notes,
+        *notes_on_neighbours(verified.chain, space),
         *_notes_on_samples(trials, exceeded, met=best.met),
         *notes_on_rejections(trials, verified),
     )  # fmt: skip

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 # Longest chain for which a further simulation, of contacts with kinks, takes about a second.
 MAX_BEADS: Final = 100
+# Relative difference up to which peaks are the same, and number of times among which the time of
+# first yield is found.
+SAME_PEAK: Final = 1e-6
+YIELD_TIMES: Final = 4000
 
 
 class WithYield(NamedTuple):
@@ -226,6 +230,43 @@ def peak_with_yielding_contacts(
     peak, several, so_far = found
     ratio = largest_overlap_ratio(dented, again.largest_overlaps)
     return WithYield(peak, ratio, several, so_far)
+
+
+def first_yield_after_peak(run: Run, found: WithYield) -> float | None:
+    """Time of first yield, if contacts of an elastic run yield only after its peak.
+
+    `None` if the peak with contacts that yield, which is known, is another one.  Up to this time,
+    the elastic run is also that of contacts that yield.
+    """
+    import numpy as np
+
+    from ..chain.contact_groups import law_yield_ratios
+    from .body_force import body_force
+    from .budget import overlaps_of
+    from .simulate import simulate
+
+    wall = None if run.chain.right_wall is None else run._wall_force("right")
+    body = body_force(run) if wall is None else None
+    if wall is not None:
+        peak, time = wall.peak, wall.peak_time
+    elif body is not None:
+        peak, time = body.force, body.time
+    else:
+        return None
+    dented = dented_chain(run.chain)
+    if dented is None or abs(found.value - peak) > SAME_PEAK * peak:
+        return None
+    with ignore_warnings():
+        again = simulate(run.chain, times=YIELD_TIMES, until=run.end_time, check=False)
+    overlaps = overlaps_of(run.chain, again.times, again.positions)
+    groups = dented.contact_groups
+    late = (
+        float(now)
+        for now, each in zip(again.times, overlaps, strict=True)
+        if np.nanmax(law_yield_ratios(groups, each), initial=0.0) >= 1.0
+    )
+    first = next(late, None)
+    return first if first is not None and first > time else None
 
 
 def _simulated_again(run: Run, dented: Chain, progress: Progress | None) -> Run | None:

@@ -161,7 +161,8 @@ _STRUCK_BY: Final = (
             least=0.0),
     _number("energy", "kinetic energy of each striker, instead of its velocity", "energy",
             least=0.0),
-    _number("radius", "radius of a striker; inf or 'flat' is a flat face", "length", above=0.0),
+    _number("radius", "radius of a striker; 'flat' or inf, or flat = true, is a flat "
+            "face", "length", above=0.0),
     _number("diameter", "diameter of a striker, instead of its radius", "length", above=0.0),
     _number("mass", "mass of a striker", "mass", above=0.0),
     _MATERIAL,
@@ -381,7 +382,23 @@ def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
         if {other, name} <= table.keys():
             raise InputError(f"[chain] has {name} and {other}, which are the same: omit one")
     names = (FIELD_ALIASES.get(name, name) for name in table)
-    return {**document, "chain": with_tables(dict(zip(names, table.values(), strict=True)))}
+    chain = with_tables(dict(zip(names, table.values(), strict=True)))
+    if isinstance(strikers := chain.get("struck_by"), list):
+        chain["struck_by"] = [_with_flat_radius(each) for each in strikers]
+    return {**document, "chain": chain}
+
+
+def _with_flat_radius(striker: Any) -> Any:
+    """A striker with ``radius = "flat"`` instead of ``flat = true``, as on the command line."""
+    if not isinstance(striker, Mapping) or not isinstance(striker.get("flat"), bool):
+        return striker
+    found = {name: value for name, value in striker.items() if name != "flat"}
+    if not striker["flat"]:
+        return found
+    for name in ("radius", "diameter"):
+        if name in found:
+            raise InputError(f"[[chain.struck_by]] has flat = true and {name}: omit one of them")
+    return {**found, "radius": "flat"}
 
 
 def dimensions_of(path: Sequence[str]) -> set[str]:

@@ -20,7 +20,7 @@ def notes_on_neighbours(chain: Chain, space: SizeSpace | BallSpace) -> list[str]
         return []
     balls = np.arange(chain.beads)[chain._balls]
     # A ball that was chosen, and its neighbour; strikers and caps have other faces.
-    pairs = [k for k in balls[:-1] if k + 1 > space.places[0]]
+    pairs = [k for k in balls[:-1] if k + 1 >= space.places[0]]
     ratios = [max(chain.radii[k] / chain.radii[k + 1], chain.radii[k + 1] / chain.radii[k])
               for k in pairs]  # fmt: skip
     if not ratios or not max(ratios) > MAX_RATIO:

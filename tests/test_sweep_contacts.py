@@ -1,7 +1,9 @@
 """Sweeps over the stiffness of single contacts and over the mass of one bead."""
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import hertzchain as hc
 from hertzchain.sweeps.specification import read_specification, specification_from_json
@@ -101,3 +103,89 @@ def test_one_mass_for_all_beads_can_vary_at_one_of_them(more):
 def test_masses_that_are_not_given_cannot_vary_at_one_bead():
     with pytest.raises(hc.InputError, match="no list masses: give masses, one for all beads or"):
         hc.sweep({"chain": {"taper": "uniform", "beads": 6}, "axes": {"masses.3": [0.5]}})
+
+
+def energy_between(masses, before, after, until):
+    """Energy of the beads and contacts between two contacts, integrated by SciPy."""
+    count = len(masses)
+    scaled = hc.Chain.uniform(count)
+    mass, stiffness = scaled.masses[0] * masses, scaled.stiffness[0]
+
+    def slope(_, state):
+        forces = stiffness * np.maximum(state[: count - 1] - state[1:count], 0.0) ** 1.5
+        net = np.concatenate(([0.0], forces)) - np.concatenate((forces, [0.0]))
+        return np.concatenate((state[count:], net / mass))
+
+    start = np.zeros(2 * count)
+    start[count] = 1.0
+    end = solve_ivp(slope, (0.0, until), start, method="DOP853", rtol=1e-10, atol=1e-12).y[:, -1]
+    overlaps = np.maximum(end[before - 1 : after] - end[before : after + 1], 0.0)
+    # Half of the energy of a contact belongs to each of its beads.
+    stored = np.convolve(0.4 * stiffness * overlaps**2.5, [0.5, 0.5], "valid")
+    kinetic = 0.5 * mass[before:after] * end[count + before : count + after] ** 2
+    return (kinetic + stored).sum()
+
+
+def test_an_axis_sets_a_range_of_items(tmp_path):
+    spec = {
+        "chain": {"taper": "uniform", "masses": 1.0, "beads": 40},
+        "axes": {"masses.19-21": [0.5, 2.0], "masses.20": [1.0, 3.0]},
+        "sweep": {"at": [30]},
+    }
+    found = hc.sweep(spec, tmp_path / "all")
+    assert found.velocity.dims == ("masses_19_21", "masses_20", "approach", "bead")
+    for i, several in enumerate([0.5, 2.0]):
+        for j, middle in enumerate([1.0, 3.0]):
+            chain = hc.Chain.uniform(40)
+            masses = chain.masses.copy()
+            masses[18:21] = several, middle, several
+            expected = hc.propagate(chain.replace(masses=masses)).velocity[29]
+            assert found.velocity[i, j, 0, 0] == pytest.approx(expected, rel=1e-12)
+    # The store continues with the same specification, also from its shards.
+    parts = [tmp_path / "a", tmp_path / "b"]
+    for k, part in enumerate(parts, start=1):
+        hc.sweep(spec, part, shard=(k, 2))
+    merged, missing = hc.merge_sweeps(parts, tmp_path / "merged")
+    assert missing == 0
+    assert (merged.velocity == hc.sweep(spec, tmp_path / "all").velocity).all()
+    axes = hc.plot_sweep(found, **{"masses.20": 1.0})
+    assert axes.get_xlabel() == "mass of beads 19 to 21"
+    plt.close(axes.figure)
+
+
+@pytest.mark.parametrize(("axes", "message"), [
+    ({"masses.19-41": [1.0, 2.0]}, "there are no items 19-41 in masses, a list of 40"),
+    ({"masses.0-3": [1.0, 2.0]}, "there are no items 0-3"),
+    ({"masses.21-19": [1.0, 2.0]}, "the range 21-19 of items must begin with the smaller"),
+    ({"masses.20": [1.0], "masses.19-21": [2.0]}, "would undo axes.masses.20"),
+    ({"masses.15-20": [1.0], "masses.19-21": [2.0]}, "would undo axes.masses.15-20"),
+    ({"radii.19-21": [1.0, 2.0]}, "has no list radii"),
+])  # fmt: skip
+def test_ranges_of_items_that_do_not_exist_or_overlap_are_errors(axes, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.sweep({"chain": {"taper": "uniform", "masses": 1.0, "beads": 40}, "axes": axes})
+
+
+def test_sweeps_keep_the_energy_that_a_reflection_lacks():
+    contacts = "25-55"
+    found = hc.sweep({
+        "chain": {"taper": "uniform", "masses": 1.0, "beads": 80},
+        "axes": {"masses.40": [5.0, 50.0]},
+        "sweep": {"methods": ["simulate"], "keep": [
+            f"reflection.{name}@{contacts}"
+            for name in ("reflected_energy", "transmitted_energy", "kept_energy", "kept_momentum")
+        ]},
+        "method": {"until": 95.0},
+    }).isel(approach=0)  # fmt: skip
+    reflected, passed = found.reflected_energy_25_55, found.transmitted_energy_25_55
+    kept = found.kept_energy_25_55
+    assert float(reflected[0] + passed[0] + kept[0]) == pytest.approx(1.0, abs=1e-6)
+    # The coefficients of the heavy bead are not complete, and this says by how much.
+    assert found.incomplete.values.tolist() == [0, 1]
+    assert np.isnan(reflected[1])
+    assert 0.05 < float(kept[1]) < 0.1
+    masses = np.ones(80)
+    masses[39] = 5.0
+    inside = energy_between(masses, 25, 55, 95.0)
+    # The leading pulse has 99.4% of the energy 1/2 of the impact.
+    assert float(kept[0]) == pytest.approx(inside / (0.994 * 0.5), rel=0.01)

@@ -412,3 +412,60 @@ def test_maps_and_names_have_no_slope():
     flat = swept(FORWARD, {"rate": [0.0]}, at="last")
     with pytest.raises(hc.InputError, match="a slope requires a curve with positive values"):
         hc.plot_sweep(flat, slope=1.0)
+
+
+def test_points_are_drawn_over_their_first_quantity_and_the_others_are_in_the_title(tmp_path):
+    axes = {"velocity": [0.3, 0.2, 0.1], "radii": ["6 mm", "5 mm", "4 mm"]}
+    chain = {"materials": "steel-52100", "beads": 12, "radii": 5e-3}
+    spec = {"chain": chain, "axes": axes, "sweep": {"combine": "zip", "at": "last"}}
+    expected = [hc.propagate(hc.Chain.from_materials(radius, "steel-52100", beads=12, velocity=v))
+                for radius, v in ((4e-3, 0.1), (5e-3, 0.2), (6e-3, 0.3))]  # fmt: skip
+    for found in (hc.sweep(spec), hc.sweep(spec, tmp_path / "zip")):
+        drawn = hc.plot_sweep(found)
+        assert drawn.get_xlabel() == "velocity [m/s]"
+        assert drawn.get_title().startswith("radius = 4 to 6 mm")
+        (curve,) = [line for line in drawn.lines if len(line.get_xdata()) == 3][:1]
+        np.testing.assert_allclose(curve.get_xdata(), [0.1, 0.2, 0.3])
+        np.testing.assert_allclose(curve.get_ydata(), [each.velocity[-1] for each in expected])
+
+
+@pytest.mark.parametrize(("axes", "label", "title"), [
+    ({"beads": [20, 20, 30], "rate": [0.02, 0.03, 0.02]}, "point", ""),
+    ({"beads": [20, 20, 30], "rate": [0.02, 0.03, 0.05]}, "rate of the taper $q$",
+     "beads varies too"),
+    ({"rate": [0.02, 0.05, 0.08], "beads": [20, 20, 20]}, "rate of the taper $q$", "beads = 20"),
+])  # fmt: skip
+def test_points_without_a_quantity_that_distinguishes_them_keep_their_numbers(axes, label, title):
+    found = swept({"taper": "forward-exponential"}, axes, combine="zip", at="last")
+    drawn = hc.plot_sweep(found)
+    assert drawn.get_xlabel() == label
+    assert title in drawn.get_title()
+
+
+def test_scales_of_axes_can_be_chosen():
+    found = swept({"taper": "uniform"}, {"beads": [10, 20, 40, 80]}, at="last")
+    assert hc.plot_sweep(found).get_xscale() == "linear"
+    drawn = hc.plot_sweep(found, log_x=True, log_y=True)
+    assert (drawn.get_xscale(), drawn.get_yscale()) == ("log", "log")
+    axes = {"rate": np.linspace(0.01, 0.08, 8).tolist(), "beads": [*range(10, 18)]}
+    drawn = hc.plot_sweep(swept({"taper": "forward-exponential"}, axes, at="last"), log_y=True)
+    assert (drawn.get_xscale(), drawn.get_yscale()) == ("linear", "log")
+    # Cells end halfway between neighbours on the logarithmic axis, and beyond the ends.
+    np.testing.assert_allclose(drawn.get_ylim(), [10 * (10 / 11) ** 0.5, 17 * (17 / 16) ** 0.5])
+    zero = swept({"taper": "forward-exponential", "beads": 10}, {"rate": [0.0, 0.05]}, at="last")
+    with pytest.raises(hc.InputError, match="rate has values that are not above 0"):
+        hc.plot_sweep(zero, log_x=True)
+
+
+def test_values_without_a_place_on_a_logarithmic_axis_interrupt_the_curve():
+    found = hc.sweep({
+        "chain": {"taper": "uniform", "masses": 1.0, "beads": 80},
+        "axes": {"masses.40": [0.05, 0.5, 1.0, 2.0, 5.0]},
+        "sweep": {"methods": ["simulate"], "keep": ["reflection.reflected_energy@28-52"]},
+        "method": {"until": 95.0},
+    })  # fmt: skip
+    drawn = hc.plot_sweep(found, log=True)
+    assert drawn.get_xscale() == "log"
+    shown = np.isfinite(drawn.lines[0].get_ydata())
+    assert shown.tolist() == [True, True, False, True, True]
+    assert "1 value not above 0, blank" in drawn.get_title()

@@ -141,12 +141,7 @@ def pulse(
     found = {}
     with progress_bar("beads passed") as progress:
         for name, chain in chains.items():
-            computed = {
-                each: _computed(each, chain, progress, settings[each], optional=each in optional)
-                for each in chosen
-            }
-            _name_omitted([method for method, each in computed.items() if each is None])
-            found[name] = [each for each in computed.values() if each is not None]
+            found[name] = _all_computed(chain, progress, settings, optional)
     if plot is not None or not (as_json or as_csv):
         found = {name: _with_quantity(each, quantity) for name, each in found.items()}
     pulses = [pulse for each in found.values() for pulse in each]
@@ -214,6 +209,19 @@ def _settings(
         )
     of = {**dict.fromkeys(SIMULATIONS, of_simulations), DISORDER: of_disorder}
     return {method: of.get(method, {}) for method in methods}
+
+
+def _all_computed(
+    chain: Chain, progress: Progress | None, settings: dict[str, dict[str, float]],
+    optional: set[str],
+) -> list[Pulse]:  # fmt: skip
+    """Pulses by all methods but the optional ones that do not support the chain."""
+    found = {
+        each: _computed(each, chain, progress, own, optional=each in optional)
+        for each, own in settings.items()
+    }
+    _name_omitted([method for method, each in found.items() if each is None])
+    return [each for each in found.values() if each is not None]
 
 
 def _computed(

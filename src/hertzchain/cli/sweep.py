@@ -218,6 +218,17 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool, as_json: boo
 )
 @click.option("--log", is_flag=True, help="Use a logarithmic scale for the quantity.")
 @click.option(
+    "--log-x/--linear-x",
+    default=None,
+    help="Scale of the x axis.  [default: logarithmic if the values extend over a decade or more "
+    "in even ratios]",
+)
+@click.option(
+    "--log-y/--linear-y",
+    default=None,
+    help="Scale of the y axis of a map, with the same default; of curves, the same as --log.",
+)
+@click.option(
     "--slope",
     "slopes",
     multiple=True,
@@ -228,7 +239,8 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool, as_json: boo
 @with_width("target")
 def plot(
     store: Path, target: Path, quantity: str | None, at: tuple[str, ...],
-    level: tuple[float, ...], log: bool, slopes: tuple[str, ...], skip_damaged: bool,
+    level: tuple[float, ...], log: bool, log_x: bool | None, log_y: bool | None,
+    slopes: tuple[str, ...], skip_damaged: bool,
 ) -> None:  # fmt: skip
     """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two.
 
@@ -242,8 +254,8 @@ def plot(
     check_writable(target, "FILE", PICTURES)
     chosen = dict(map(_place, at))
     found = hertzchain.open_sweep(store, skip_damaged=skip_damaged)
-    axes = plot_sweep(found, quantity, log=log, levels=list(level) or None,
-                      slope=slopes or None, **chosen)  # fmt: skip
+    axes = plot_sweep(found, quantity, log=log, log_x=log_x, log_y=log_y,
+                      levels=list(level) or None, slope=slopes or None, **chosen)  # fmt: skip
     save_figure(axes, target)
     click.echo(target)
 

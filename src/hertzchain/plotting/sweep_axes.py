@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
+from ..errors import InputError
 from ..pulse.free_end import jumps_at_end
 from .style import INCHES_PER_LETTER, label_log_axis, literal
 from .sweep_labels import axis_label
@@ -15,11 +17,14 @@ from .sweep_labels import axis_label
 if TYPE_CHECKING:
     import xarray as xr
 
+# Attribute of a coordinate whose scale a user has chosen.
+SCALE: Final = "scale"
+
 
 def set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> None:
     """Set the scale, ticks and label of the x or y axis."""
     values = coordinate.to_numpy()
-    axes.set(**{f"{which}scale": scale(values), f"{which}label": axis_label(coordinate)})
+    axes.set(**{f"{which}scale": scale_of(coordinate), f"{which}label": axis_label(coordinate)})
     axis = axes.xaxis if which == "x" else axes.yaxis
     # Setting a scale resets the ticks, so ticks are set afterwards.
     if axis.get_scale() == "log":
@@ -43,6 +48,32 @@ def show_all_places(axes: Axes, coordinate: xr.DataArray) -> None:
     axes.autoscale_view(scaley=False)
 
 
+def with_scales(
+    drawn: xr.DataArray, logarithmic: Sequence[bool | None], *, curves: str | None
+) -> xr.DataArray:
+    """Values whose axes have the attribute ``scale`` where a user has chosen it.
+
+    ``curves`` is the dimension with one curve for each value; of a map, it is `None`.
+    """
+    along = [name for name in drawn.dims if name not in (curves, "approach")]
+    for name, log in zip(along, logarithmic, strict=False):
+        if log is None:
+            continue
+        coordinate = drawn[name]
+        values = coordinate.to_numpy()
+        if log and not (values.dtype.kind in "if" and values.min() > 0.0):
+            raise InputError(f"{name} has values that are not above 0, which a logarithmic axis "
+                             "cannot show")  # fmt: skip
+        attributes = {**coordinate.attrs, SCALE: "log" if log else "linear"}
+        drawn = drawn.assign_coords({name: coordinate.assign_attrs(attributes)})
+    return drawn
+
+
+def scale_of(coordinate: xr.DataArray) -> str:
+    """Name of the scale of an axis: that of a user, or one that suits the values."""
+    return str(coordinate.attrs.get(SCALE) or scale(coordinate.to_numpy()))
+
+
 def scale(values: np.ndarray[Any, Any]) -> str:
     """Name of the scale: logarithmic over a decade or more, if the steps are then more even."""
     if values.dtype.kind not in "if" or values.size < 3 or values.min() <= 0.0:
@@ -54,9 +85,10 @@ def scale(values: np.ndarray[Any, Any]) -> str:
     return "log" if more_even else "linear"
 
 
-def edges_of(places: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+def edges_of(coordinate: xr.DataArray) -> np.ndarray[Any, Any]:
     """Edges of map cells: halfway between neighbouring values, on the scale of the axis."""
-    if scale(places) == "log":
+    places = places_of(coordinate)
+    if scale_of(coordinate) == "log":
         return np.asarray(np.exp(_edges(np.log(places))))
     return _edges(places)
 

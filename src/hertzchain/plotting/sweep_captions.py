@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Final
 
 from ..representation import counted
 from .style import literal
 from .sweep_labels import METHODS, coordinate_text
+from .sweep_points import together_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,14 +31,19 @@ def caption_of(dataset: xr.Dataset, drawn: xr.DataArray, reference: str | None) 
           if value.ndim == 0 and name not in only),
         f"relative to {METHODS.get(reference, reference)}" if reference is not None else "",
     ]  # fmt: skip
-    return [part for part in caption if part]
+    return [part for part in (*caption, *together_in_words(drawn)) if part]
 
 
-def counted_flags(
-    drawn: xr.DataArray, flagged: Mapping[str, xr.DataArray], *, curves: bool
+def words_of_flags(
+    drawn: xr.DataArray, flagged: dict[str, xr.DataArray], *, law: bool, log: bool, curves: bool
 ) -> list[str]:
-    """Numbers of points whose force on a wall is flagged, in words."""
-    found = []
+    """Numbers of points whose force on a wall is flagged, or without a place, in words.
+
+    The flags of the range are removed if every value has one: marks would distinguish none.
+    """
+    found = _take_common_range(drawn, flagged, law=law)
+    if log and (count := int((drawn <= 0.0).sum())):
+        found += [f"{counted(count, 'value')} not above 0, blank"]
     for flag, words in FLAGGED_PEAKS.items():
         count = _number_of_points(flagged[flag]) if flag in flagged else 0
         blank = flag == "incomplete" and SO_FAR not in str(drawn.name) and curves
@@ -46,7 +51,7 @@ def counted_flags(
     return found
 
 
-def take_common_range(
+def _take_common_range(
     drawn: xr.DataArray, flagged: dict[str, xr.DataArray], *, law: bool
 ) -> list[str]:
     """Remove the flags of the range from ``flagged`` if every value has one, and say so in words.

@@ -36,6 +36,8 @@ def draw_curves(
     Of several methods for each value, the colour shows the value, and line and symbol the method.
     Flagged points are marked; with ``law``, Hertz's law has a range, too.
     """
+    # A line to a value without a place would end at the edge of the axes.
+    drawn = drawn.where(drawn > 0.0) if log else drawn
     grouped = by != "approach" and "approach" in drawn.dims
     along = next(name for name in drawn.dims if name not in (by, "approach"))
     names = drawn[by].to_numpy().tolist() if by in drawn.dims else [None]
@@ -84,14 +86,18 @@ def draw_curves(
         label_free_end(axes)
     label_marks(axes, marked, law=law)
     axes.set_ylabel(broken_label(axes, "height", quantity_label(drawn)))
+    _scale_quantity(axes, log=log)
+    # Before the ticks of a logarithmic axis are chosen.
+    show_all_places(axes, drawn[along])
+    set_axis(axes, "x", drawn[along])
+
+
+def _scale_quantity(axes: Axes, *, log: bool) -> None:
     axes.set_yscale("log" if log else "linear")
     if log:
         label_log_axis(axes.yaxis)
     else:
         use_power_of_ten(axes.yaxis)
-    # Before the ticks of a logarithmic axis are chosen.
-    show_all_places(axes, drawn[along])
-    set_axis(axes, "x", drawn[along])
 
 
 def _label_groups(

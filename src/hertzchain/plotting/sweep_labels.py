@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from ..chain.laws.base import LAWS
 from ..chain.tapers import TAPERS, rate_symbol
+from ..store.chain_schema import is_place
 from ..sweeps.kept import SWEEP_QUANTITIES
 from ..sweeps.placed import placed
 from ..units import PERCENT
@@ -73,7 +74,7 @@ def axis_label(coordinate: xr.DataArray) -> str:
 
 def with_symbols(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
     """Values whose rate of the taper, if it is an axis, has the symbol of this taper."""
-    chain = _specification(dataset).get("chain", {})
+    chain = specification_of(dataset).get("chain", {})
     drawn, taper = _with_ratio(drawn, chain), chain.get("taper")
     # The taper itself may be an axis, with both symbols.
     if "rate" not in drawn.coords or taper not in TAPERS:
@@ -87,7 +88,7 @@ def with_symbols(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
 def with_damping(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
     """Values with the attribute ``damped`` if chains of the sweep may have damping forces."""
     known = "specification" in dataset.attrs
-    laws = (LAWS.get(name) for name in _laws(_specification(dataset)))
+    laws = (LAWS.get(name) for name in _laws(specification_of(dataset)))
     if known and not any(law is not None and law.damps for law in laws):
         return drawn
     return drawn.assign_attrs({**drawn.attrs, "damped": True})
@@ -116,11 +117,11 @@ def _with_ratio(drawn: xr.DataArray, chain: dict[str, Any]) -> xr.DataArray:
 
 def reference_of(dataset: xr.Dataset) -> str | None:
     """Name of the method to which errors of a sweep are relative."""
-    reference = _specification(dataset).get("sweep", {}).get("reference")
+    reference = specification_of(dataset).get("sweep", {}).get("reference")
     return reference if isinstance(reference, str) else None
 
 
-def _specification(dataset: xr.Dataset) -> dict[str, Any]:
+def specification_of(dataset: xr.Dataset) -> dict[str, Any]:
     """Specification of a sweep; empty for a dataset without it."""
     found: dict[str, Any] = json.loads(dataset.attrs.get("specification", "{}"))
     return found
@@ -141,8 +142,10 @@ def _parameter(coordinate: xr.DataArray) -> str:
         return _with_unit(f"{called}{place}", coordinate)
     plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
     parts = [SINGULARS.get(part, part) for part in plain.split(".")]
-    if parts[-1].isdigit() and parts[0] in SINGULARS.values():
-        parts.insert(-1, f"of {'contact' if parts[0] == 'gap' else 'bead'}")
+    if is_place(parts[-1]) and parts[0] in SINGULARS.values():
+        several = "s" * ("-" in parts[-1])
+        parts.insert(-1, f"of {'contact' if parts[0] == 'gap' else 'bead'}{several}")
+        parts[-1] = parts[-1].replace("-", " to ")
     return _with_unit(" ".join(parts).replace("_", " "), coordinate)
 
 

@@ -95,7 +95,7 @@ def mark_cells(
             {} if {"c", "edgecolors"} & look.cell.keys() else {"c": grey(axes, 0.1)}
         )
         if kind == HATCHED and there.sum() > MANY:
-            edges = edges_of(places_of(drawn[across])), edges_of(places_of(drawn[down]))
+            edges = edges_of(drawn[across]), edges_of(drawn[down])
             _outline(axes, *edges, there, mark_label(kind, law=law))
         elif there.any():
             axes.scatter(x[there], y[there], size * (FRAME if look.frame else 1.0), zorder=3.0,

@@ -7,25 +7,20 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
 
-from ..collision import Array
 from ..errors import IncompleteWarning, InputError, InputWarning, unknown_name_error, warn_user
 from ..representation import counted
 from ..store.sweep_export import FLAGS, check_sweep
 from ..store.sweep_store import FAILED, MISSING
 from ..sweeps.kept import variable_name
-from ..units import PERCENT
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number
 from ..validation.objects import check_bool, check_choice, check_list, text
-from .colours import signed_map
 from .legends import place_legend
 from .reference_slopes import draw_slopes, slopes_from
-from .shared_axes import use_power_of_ten
-from .style import broken_label, figure_style, get_axes, label_log_axis, set_title
-from .sweep_axes import edges_of, places_of, set_axis
-from .sweep_captions import SO_FAR, caption_of, counted_flags, take_common_range
+from .style import figure_style, get_axes, set_title
+from .sweep_axes import with_scales
+from .sweep_captions import SO_FAR, caption_of, words_of_flags
 from .sweep_curves import draw_curves
 from .sweep_labels import (
     ERRORS,
@@ -35,7 +30,9 @@ from .sweep_labels import (
     with_damping,
     with_symbols,
 )
+from .sweep_maps import draw_map
 from .sweep_marks import mark_cells
+from .sweep_points import over_first_quantity
 from .sweep_sharing import Group, in_unit, label_shared, shared_unit
 
 if TYPE_CHECKING:
@@ -47,8 +44,6 @@ PLACES, SAME = ("bead", "contact", "point"), 1e-9
 RESERVED: Final = ("approach", "bead", "contact")
 # Largest number of values of an axis for one curve per value.
 MAX_CURVES: Final = 6
-# Colour map of values of one sign.
-SEQUENTIAL: Final = "viridis"
 
 
 @checked_arguments("plot_sweep")
@@ -57,6 +52,8 @@ def plot_sweep(
     quantity: str | Sequence[str] | None = None,
     *,
     log: bool = False,
+    log_x: bool | None = None,
+    log_y: bool | None = None,
     levels: list[float] | None = None,
     slope: float | str | Sequence[float | str] | None = None,
     label: str = "",
@@ -85,7 +82,12 @@ def plot_sweep(
         Name of the quantity to plot, among those in ``dataset.data_vars``, or names of several
         quantities with the same unit; by default, the first that was kept.
     log : bool
-        Whether the scale of the quantity is logarithmic.
+        Whether the scale of the quantity is logarithmic.  Values that are not positive then have
+        no place; the title states their number.
+    log_x, log_y : bool, optional
+        Whether the scales of the axes are logarithmic.  By default, that of a parameter is if its
+        values extend over a decade or more and their ratios are more even than their differences.
+        The y axis of curves is that of the quantity, so that ``log_y`` is ``log``.
     levels : list of float, optional
         Values of contour lines in a map, such as 0.01 for an error of 1%.  With levels, two axes
         of any length give a map.
@@ -141,40 +143,36 @@ def plot_sweep(
     >>> [curve.get_label() for curve in axes.lines]
     ['$s = 0.02$', '$s = 0.06$']
     """
-    log, legend = check_bool("log", log), check_bool("legend", legend)
-    given = [] if levels is None else check_list("levels", levels, "numbers")
-    levels = [number("level", level) for level in given]
+    legend = check_bool("legend", legend)
+    levels = [number("level", each) for each in _listed(levels)]
     slopes = [] if slope is None else slopes_from(slope)
     name = "" if isinstance(label, str) and not label else text("label", label)
     check_sweep(dataset)
-    wanted = [quantity] if quantity is None or isinstance(quantity, str) else check_list(
-        "quantities", quantity, "names of quantities, or one name")  # fmt: skip
-    if not wanted:
-        raise InputError("quantities must contain at least one name, such as 'velocity'")
-    selected = [_to_plot(dataset, each, at, several=bool(levels)) for each in wanted]
+    dataset = over_first_quantity(dataset, at)
+    selected = [_to_plot(dataset, each, at, several=bool(levels)) for each in _wanted(quantity)]
     along = [each for each in selected[0][0].dims if each != "approach"]
     short = _short_axis(selected[0][0], along) if len(along) == 2 and not levels else None
     by = "approach" if len(along) == 1 else short
     if by is None:
         _check_map(name, slopes)
     _check_together([drawn for drawn, _ in selected], curves=by is not None)
+    log, scales = _checked_scales(log, log_x, log_y, curves=by is not None)
     _check_done(dataset, at)
-    for drawn, _ in selected:
-        _check_values(drawn)
+    _check_values([drawn for drawn, _ in selected])
     with figure_style():
         axes = get_axes(ax)
         unit = shared_unit(axes, [drawn for drawn, _ in selected])
         present = len(axes.lines)
+        # Scaled chains have no materials, and therefore no range of Hertz's law.
+        law = dataset.attrs.get("units") == "SI"
         for drawn, reference in selected:
             shown = with_damping(with_symbols(in_unit(drawn, unit), dataset), dataset)
+            shown = with_scales(shown, scales, curves=by)
             flagged = _flagged(dataset, shown, at)
-            # Scaled chains have no materials, and therefore no range of Hertz's law.
-            law = dataset.attrs.get("units") == "SI"
             caption = caption_of(dataset, shown, reference)
-            flags = take_common_range(shown, flagged, law=law)
-            flags += counted_flags(shown, flagged, curves=by is not None)
+            flags = words_of_flags(shown, flagged, law=law, log=log, curves=by is not None)
             if by is None:
-                _map(shown, axes, log=log, levels=[unit.factor * level for level in levels])
+                draw_map(shown, axes, log=log, levels=[unit.factor * level for level in levels])
                 set_title(axes, "; ".join((*caption, *flags)))
                 mark_cells(axes, shown, flagged, law=law, own=ax is None)
                 return axes
@@ -189,6 +187,28 @@ def plot_sweep(
         if legend and (several or name):
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _checked_scales(
+    log: bool, log_x: bool | None, log_y: bool | None, *, curves: bool
+) -> tuple[bool, list[bool | None]]:
+    """Whether the quantity is on a logarithmic scale, and those of the axes."""
+    log, given = check_bool("log", log), (("log_x", log_x), ("log_y", log_y))
+    scales = [each if each is None else check_bool(name, each) for name, each in given]
+    return (scales[1] if curves and scales[1] is not None else log), scales
+
+
+def _listed(levels: Any) -> list[Any]:
+    return [] if levels is None else check_list("levels", levels, "numbers")
+
+
+def _wanted(quantity: Any) -> list[Any]:
+    if quantity is None or isinstance(quantity, str):
+        return [quantity]
+    found = check_list("quantities", quantity, "names of quantities, or one name")
+    if not found:
+        raise InputError("quantities must contain at least one name, such as 'velocity'")
+    return found
 
 
 def _check_map(name: str, slopes: Sequence[Any]) -> None:
@@ -338,14 +358,15 @@ def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
         )
 
 
-def _check_values(drawn: xr.DataArray) -> None:
+def _check_values(selected: Sequence[xr.DataArray]) -> None:
     """Reject a plot of points that are done but have no value."""
-    values = drawn.to_numpy()
-    if values.dtype.kind == "f" and not np.isfinite(values).any():
-        unfinished = str(drawn.name).startswith("wall_")
-        advice = "; set until, or keep wall_largest_so_far" if unfinished else ""
-        points = "the point" if values.size == 1 else f"any of the {values.size} points"
-        raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")
+    for drawn in selected:
+        values = drawn.to_numpy()
+        if values.dtype.kind == "f" and not np.isfinite(values).any():
+            unfinished = str(drawn.name).startswith("wall_")
+            advice = "; set until, or keep wall_largest_so_far" if unfinished else ""
+            points = "the point" if values.size == 1 else f"any of the {values.size} points"
+            raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")
 
 
 def _short_axis(drawn: xr.DataArray, along: Sequence[Hashable]) -> str | None:
@@ -402,39 +423,3 @@ def _undrawable(drawn: xr.DataArray, at: Mapping[str, Any]) -> str:
         "but a map has one method; choose a method, such as "
         f"approach={drawn['approach'].values[0].item()!r}, or a value, such as {fixed}"
     )
-
-
-def _map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: list[float] | None) -> None:
-    down, across = drawn.dims[1], drawn.dims[0]
-    x, y = (places_of(drawn[name]) for name in (across, down))
-    values = drawn.transpose(down, across).to_numpy()
-    norm, (colours, low, high) = None, _colours(values)
-    if log:
-        shown = values[values > 0.0]
-        if not shown.size:
-            raise InputError(f"{drawn.name} has no values above 0; omit log")
-        norm, colours, low, high = LogNorm(shown.min(), shown.max()), SEQUENTIAL, None, None
-    mesh = axes.pcolormesh(edges_of(x), edges_of(y), values, cmap=colours, norm=norm, vmin=low,
-                           vmax=high, rasterized=True)  # fmt: skip
-    label = broken_label(axes, "height", quantity_label(drawn))
-    bar = axes.figure.colorbar(mesh, ax=axes, label=label)
-    if norm is not None:
-        label_log_axis(bar.ax.yaxis)
-    else:
-        use_power_of_ten(bar.ax.yaxis)
-    if levels:
-        lines = axes.contour(
-            x, y, values, levels=sorted(set(levels)), colors="white", linewidths=1.2
-        )
-        unit = "%%" if drawn.attrs.get("units") == PERCENT else ""
-        axes.clabel(lines, fmt=f"%g{unit}", fontsize=8)
-    set_axis(axes, "x", drawn[across])
-    set_axis(axes, "y", drawn[down])
-    for edges, limit in ((edges_of(x), axes.set_xlim), (edges_of(y), axes.set_ylim)):
-        limit(edges[0], edges[-1])
-
-
-def _colours(values: Array) -> tuple[str, float | None, float | None]:
-    """Colour map and limits: white at 0 if both signs occur."""
-    colours, low, high = signed_map(values)
-    return (colours, low, high) if low < 0.0 < high else (SEQUENTIAL, None, None)

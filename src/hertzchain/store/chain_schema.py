@@ -401,6 +401,12 @@ def _with_flat_radius(striker: Any) -> Any:
     return {**found, "radius": "flat"}
 
 
+def is_place(word: str) -> bool:
+    """Whether a word of a path is the number of an item of a list, or a range such as 39-41."""
+    first, dash, last = word.partition("-")
+    return first.isdigit() and (last.isdigit() or not dash)
+
+
 def dimensions_of(path: Sequence[str]) -> set[str]:
     """Dimensions that the value at a path within [chain] can have; ``""`` for a plain number."""
     found = _keys_at(path)
@@ -411,7 +417,7 @@ def dimensions_of(path: Sequence[str]) -> set[str]:
 
 def names_beside(path: Sequence[str]) -> list[str]:
     """Names of all keys of a table within [chain], if a path leads to none of them."""
-    words = [word for word in path if not word.isdigit()]
+    words = [word for word in path if not is_place(word)]
     if len(words) != 2 or words[0] not in TABLES or _keys_at(path):
         return []
     section = SECTIONS[f"chain.{words[0]}"]
@@ -431,12 +437,12 @@ def is_count(path: Sequence[str]) -> bool:
 
 def is_material_constant(path: Sequence[str]) -> bool:
     """Whether a path leads to a constant of a material, such as ``materials.rubber.young``."""
-    return len(path) == 3 and path[0] == "materials" and not path[1].isdigit()
+    return len(path) == 3 and path[0] == "materials" and not is_place(path[1])
 
 
 def _keys_at(path: Sequence[str]) -> list[Key]:
     """Keys to which a path within [chain] can lead: several if they belong to variants."""
-    words = [word for word in path if not word.isdigit()]
+    words = [word for word in path if not is_place(word)]
     section = SECTIONS["chain"]
     if is_material_constant(path):
         section, words = SECTIONS["materials.NAME"], words[-1:]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
-from ..store.chain_schema import dimensions_of, is_count, is_fraction, names_beside
+from ..store.chain_schema import dimensions_of, is_count, is_fraction, is_place, names_beside
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES
@@ -39,7 +39,8 @@ class Axis:
     path : tuple of str
         Its place in the specification: ``("rate",)`` is a key of ``[chain]``,
         ``("loss", "coefficient")`` a key of ``[chain.loss]``, ``("radii", "5")`` the radius of
-        bead 5, ``("method", "rtol")`` an option of the simulation.
+        bead 5, ``("radii", "10-20")`` the common radius of beads 10 to 20, ``("method", "rtol")``
+        an option of the simulation.
     entry : mapping or sequence
         Values as specified: a list, or ``{"linspace": [first, last, number]}``, or the same with
         ``"geomspace"``; with ``"unit"`` if they are neither scaled nor in SI units.  The first and
@@ -86,11 +87,11 @@ class Axis:
 
     @property
     def name(self) -> str:
-        """The last name of the path, followed by the number of a bead if there is one."""
+        """The last name of the path, followed by the number of a bead, or those of a range."""
         words = [*self.path]
         numbers: list[str] = []
-        while len(words) > 1 and words[-1].isdigit():
-            numbers.insert(0, words.pop())
+        while len(words) > 1 and is_place(words[-1]):
+            numbers.insert(0, words.pop().replace("-", "_"))
         return "_".join([words[-1], *numbers])
 
     @property
@@ -263,14 +264,33 @@ def flattened(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> Iterator[
 
 
 def conflicts(paths: Sequence[tuple[str, ...]]) -> list[str]:
-    """Find axes that would replace a table in which an earlier axis has set a value."""
+    """Find axes that would replace a value that an earlier axis has set."""
     return [
         f"axes.{'.'.join(path)}: would undo axes.{'.'.join(earlier)}: remove one of them, or put "
         "this one first"
         for place, path in enumerate(paths)
         for earlier in paths[:place]
-        if earlier[: len(path)] == path
+        if _undoes(path, earlier)
     ]
+
+
+def _undoes(path: tuple[str, ...], earlier: tuple[str, ...]) -> bool:
+    """Whether a path leads to the same items as an earlier one, or to a table that has these.
+
+    Some of the items of an earlier range, such as bead 40 of 39-41, may be changed again.
+    """
+    both = [*zip(path, earlier, strict=False)]
+    if len(path) > len(earlier) or not all(
+        a == b or (is_place(a) and is_place(b) and not _items(a).isdisjoint(_items(b)))
+        for a, b in both
+    ):
+        return False
+    return not any(is_place(a) and is_place(b) and _items(a) < _items(b) for a, b in both)
+
+
+def _items(word: str) -> set[int]:
+    first, _, last = word.partition("-")
+    return {*range(int(first), int(last or first) + 1)}
 
 
 def second_strikers(paths: Iterable[tuple[str, ...]], chain: Chain | None) -> list[str]:

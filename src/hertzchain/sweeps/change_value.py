@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from ..chain.materials import material
 from ..errors import InputError
-from ..store.chain_schema import is_material_constant
+from ..store.chain_schema import is_material_constant, is_place
 from .axes import Axis
 
 if TYPE_CHECKING:
@@ -38,21 +37,17 @@ def _constants(name: str) -> dict[str, Any]:
 def with_value(
     document: Any, path: tuple[str, ...], value: Any, above: tuple[str, ...] = ()
 ) -> Any:
-    """Copy a document with one value changed; the other values are shared.
+    """Copy a document with one value, or a range of items, changed; the other values are shared.
 
     ``above`` is the path of the document itself, for messages.
     """
     key, rest, here = path[0], path[1:], (*above, path[0])
-    if re.fullmatch(r"\d+-\d+", key):
-        raise _several_items(key, above)
     if isinstance(document, list):
-        if not (key.isdigit() and 1 <= int(key) <= len(document)):
-            raise _unknown_item(document, path, above)
         changed = list(document)
-        old = changed[int(key) - 1]
-        changed[int(key) - 1] = with_value(old, rest, value, here) if rest else value
+        for i in _indices(document, path, above):
+            changed[i] = with_value(changed[i], rest, value, here) if rest else value
         return changed
-    if key.isdigit():
+    if is_place(key):
         one = "none" if document is None else f"one value, {document!r}, for all"
         raise InputError(f"value {key} can only vary in a list, and [chain] has {one}: give a list")
     if document is not None and not isinstance(document, Mapping):
@@ -62,19 +57,23 @@ def with_value(
     return table
 
 
-def _several_items(key: str, above: tuple[str, ...]) -> InputError:
-    """Error for a range of the items of a list."""
-    first, last = (".".join((*above[1:], number)) for number in key.split("-"))
-    return InputError(
-        f"an axis changes one item of a list, not {key}: give one axis with the same values for "
-        f"each item, {first} to {last}, and combine = 'zip' in [sweep]"
-    )
+def _indices(listed: list[Any], path: tuple[str, ...], above: tuple[str, ...]) -> range:
+    """Indices of the item or the range of items, such as 39-41, with which a path begins."""
+    first, dash, last = path[0].partition("-")
+    if not is_place(path[0]):
+        raise _unknown_item(listed, path, above)
+    if dash and int(first) >= int(last):
+        raise InputError(f"the range {path[0]} of items must begin with the smaller number")
+    if not 1 <= int(first) <= int(last or first) <= len(listed):
+        raise _unknown_item(listed, path, above)
+    return range(int(first) - 1, int(last or first))
 
 
 def _unknown_item(listed: list[Any], path: tuple[str, ...], above: tuple[str, ...]) -> InputError:
     """Error for a path into a list without the number of one of its items."""
     key, items, name = path[0], len(listed), ".".join(above[1:])
-    if key.isdigit():
-        return InputError(f"there is no item {key} in {name}, a list of {items}")
+    if is_place(key):
+        there, s = ("there are", "s") if "-" in key else ("there is", "")
+        return InputError(f"{there} no item{s} {key} in {name}, a list of {items}")
     first = f"write {'.'.join((name, '1', *path))!r} for its first item"
     return InputError(f"{name} is a list of {items}, so the name needs a number: {first}")

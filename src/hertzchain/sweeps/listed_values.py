@@ -10,7 +10,7 @@ from ..chain.materials import catalogue
 from ..errors import unknown_name_error
 from ..store.chain_as_toml import chain_document, listed_chain_document
 from ..store.chain_files import ARRAYS
-from ..store.chain_schema import MATERIAL_CONSTANTS, is_material_constant
+from ..store.chain_schema import MATERIAL_CONSTANTS, is_material_constant, is_place
 from ..validation.json_types import to_json_types
 from .axes import Axis
 
@@ -20,7 +20,7 @@ OTHER_SIZE: Final = {"radii": "diameters", "diameters": "radii"}
 
 
 def chain_as_document(chain: Chain, axes: Sequence[Axis] = ()) -> Any:
-    """Tables of a chain file, with lists of the values of which axes vary a single one."""
+    """Tables of a chain file, with lists of the values of which axes vary single ones."""
     # Axes change radii, which then do not have the scatter of the chain.
     chain, keys = chain.replace(scatter=None), _keys(axes)
     if not keys:
@@ -108,4 +108,4 @@ def _texts(given: Any) -> Iterator[str]:
 
 def _keys(axes: Sequence[Axis]) -> set[str]:
     """Keys of [chain] of which single values vary, ``radii`` of ``radii.5``."""
-    return {axis.path[0] for axis in axes if len(axis.path) > 1 and axis.path[1].isdigit()}
+    return {axis.path[0] for axis in axes if len(axis.path) > 1 and is_place(axis.path[1])}

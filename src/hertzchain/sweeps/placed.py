@@ -36,11 +36,18 @@ def _coefficient(part: str, name: str) -> Quantity:
 
 # Quantities at the largest forward velocity of a bead, as in designs.
 LARGEST: Final = {each.name: each for each in map(_largest, ("velocity", "momentum", "energy"))}
-# Attributes of a `Reflection` between two contacts.
+# Attributes of a `Reflection` between two contacts; those that are kept are never incomplete.
 REFLECTION: Final = {
     each.name: each
     for part in ("reflected", "transmitted") for name in ("energy", "momentum", "force")
     for each in (_coefficient(part, name),)
+} | {
+    name: Quantity(
+        name, "", f"{what} that remains between the contacts at the end of the run or was lost, "
+        "relative to that of the incident wave",
+        unit="1", scale="1", label=f"kept {what} / incident {what}", per="wave", values="finite",
+    )
+    for what in ("energy", "momentum") for name in (f"kept_{what}",)
 }  # fmt: skip
 PLACED: Final = {**SENSOR_QUANTITIES, **LARGEST, **REFLECTION}
 _FULL_NAMES: Final = {name: f"reflection.{name}" for name in REFLECTION}
@@ -137,7 +144,7 @@ def _coefficient_of(run: Run, column: str, before: int, after: int) -> tuple[flo
     notes = [*map(str, warned)]
     if late := [str(each) for each in warned if isinstance(each, IncompleteWarning)]:
         warn_user(late[0], IncompleteWarning)
-        return math.nan, notes
+        return value if column.startswith("kept_") else math.nan, notes
     return value, notes
 
 

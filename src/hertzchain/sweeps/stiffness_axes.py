@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..collision import HERTZ_EXPONENT
+from ..store.chain_schema import is_place
 
 # Contacts of the tables of [chain] that have a stiffness, counted as in `Chain.contact_exponents`.
 _CONTACT: Final = {"left_wall": 0, "right_wall": -1, "cap": -2, "struck_by": 1, "stiffness": 1}
@@ -19,10 +20,10 @@ def stiffness_exponent(
 
     ``chain`` is a chain or the table [chain]; ``paths`` are those of all axes.
     """
-    words = tuple(word for word in path if not word.isdigit())
+    words = tuple(word for word in path if not is_place(word))
     if words[-1] != "stiffness" or words[0] not in _CONTACT:
         return None
-    varying = [tuple(word for word in each if not word.isdigit()) for each in paths]
+    varying = [tuple(word for word in each if not is_place(word)) for each in paths]
     if {("exponent",), (words[0], "exponent"), words[:-1]} & {*varying}:
         return None
     if isinstance(chain, Chain):

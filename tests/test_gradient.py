@@ -749,6 +749,8 @@ def test_relative_derivatives_of_a_homogeneous_chain_are_powers():
         "velocities": "N/(m/s)", "young": "N/Pa", "density": "N/(kg/m^3)", "radii": "N/m",
     }  # fmt: skip
     assert "N: derivatives by velocities [N/(m/s)], young [N/Pa]" in " ".join(repr(found).split())
+    with pytest.raises(hc.InputError, match=r"such as gradient\['velocities'\], got 0; its value"):
+        found[0]
     with pytest.raises(hc.InputError, match="unknown parameter of this gradient 'gaps'"):
         found.relative("gaps")
 

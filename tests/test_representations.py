@@ -73,7 +73,13 @@ def results(request):
         (pulse, ["BCA", f"v_{beads} = {pulse.velocity[-1]:.4g}{speed}"]),
         (pulse.compare(hc.hard_sphere(free)), ["BCA against hard sphere", "velocity", "k = "]),
         (hc.propagate_many([free, free]), ["2 chains", f"up to {beads} beads"]),
-        (hc.equilibrium(held), [f"{beads} beads", "static forces 1 .. 1"]),
+        (
+            hc.equilibrium(held),
+            [
+                f"{beads} beads",
+                "static forces 1 N .. 1 N" if held.units == "SI" else "forces 1 .. 1",
+            ],
+        ),
         (hc.effective_chain(decorated), [f"{beads} large beads of {2 * beads - 1}"]),
         (hc.effective_chain(decorated).bca(), [f"v_{2 * beads - 1} = ", newton]),
     ]
@@ -260,6 +266,8 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
         (hc.Wall("5e6 N/m", exponent=1), "Wall(stiffness = 5 kN/mm, p = 1)"),
         (hc.Wall("5 N/um^1.5"), "Wall(stiffness = 5 N/um^1.5)"),
         (hc.Wall(5e6), "Wall(stiffness = 5e+06)"),
+        (hc.Wall(2.5e7, exponent=1), "Wall(stiffness = 2.5e+07 (in SI units 25 kN/mm), p = 1)"),
+        (hc.Wall(2.5, exponent=1), "Wall(stiffness = 2.5, p = 1)"),
         (hc.Wall(gap=1e-5), "Wall(own material, gap = 1e-05)"),
     ],
 )  # fmt: skip

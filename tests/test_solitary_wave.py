@@ -304,3 +304,28 @@ def test_the_speed_of_spheres_grows_with_the_sixth_root_of_the_force():
         wave.velocity_from_force(-1.0)
     with pytest.raises(hc.InputError, match="mass and stiffness must be given in SI units"):
         wave.velocity_from_force("20 N")
+
+
+def test_arrays_give_the_values_of_their_elements():
+    wave, forces, masses = solitary_wave(), np.array([1.0, 20.0, 64.0]), np.array([[0.5], [2.0]])
+    steel = {"mass": "4.07 g", "stiffness": 7.4e9}
+    found = wave.velocity_from_force(forces, masses, 3.0)
+    assert found.shape == (2, 3)
+    for i, mass in enumerate(masses[:, 0]):
+        for j, force in enumerate(forces):
+            v = wave.velocity_from_force(force, mass, 3.0)
+            assert isinstance(v, float)
+            assert found[i, j] == pytest.approx(v, rel=1e-15)
+            for name in ("speed", "peak_force"):
+                many = getattr(wave, name)(found, masses, 3.0)
+                assert many[i, j] == pytest.approx(getattr(wave, name)(v, mass, 3.0), rel=1e-14)
+            for name in ("momentum", "energy"):
+                many = getattr(wave, name)(found, masses)
+                assert many[i, j] == pytest.approx(getattr(wave, name)(v, mass), rel=1e-14)
+    assert wave.peak_force(found, masses, 3.0)[1] == pytest.approx(forces, rel=1e-14)
+    speeds = wave.speed(["0.1 m/s", "0.2 m/s"], **steel, diameter="10 mm")
+    assert speeds[1] == wave.speed("0.2 m/s", **steel, diameter="10 mm")
+    with pytest.raises(hc.InputError, match="at least 1e-60 and at most 1e[+]60, got -2"):
+        wave.velocity_from_force([1.0, -2.0])
+    with pytest.raises(hc.InputError, match=r"do not fit together: velocity \(2,\), mass \(3,\)"):
+        wave.momentum([1.0, 2.0], [1.0, 2.0, 3.0])

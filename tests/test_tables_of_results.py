@@ -56,6 +56,24 @@ def test_derivatives_of_beads_contacts_and_walls_have_a_table():
     wall = table[table.parameter == "right_wall.stiffness"]
     assert wall.number.isna().all()
     assert wall.value.tolist() == [2.0]
+    # In percent per 1%: by differences of simulations with other radii.
+    for k in (1, 5):
+        more, less = (
+            hc.simulate(chain.with_defects({k: 1.0 + step})).wall_force().peak
+            for step in (1e-3, -1e-3)
+        )
+        relative = np.log(more / less) / np.log(1.001 / 0.999)
+        assert radii.relative.iloc[k - 1] == pytest.approx(relative, rel=0.02)
+    assert wall.relative.tolist() == [float(found.relative("right_wall.stiffness"))]
+
+
+def test_numbers_of_hertz_range_have_a_table():
+    chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=4, velocity=0.3)
+    found = hc.hertz_range(chain.replace(right_wall=hc.Wall(stiffness=2.5e7, exponent=1)))
+    table = found.to_dataframe()
+    assert table.index.tolist() == [0, 1, 2, 3, 4]
+    assert table.yield_ratio.iloc[1] == found.yield_ratio[1]
+    assert table.columns[0] == "overlap_ratio"
 
 
 def test_derivatives_have_a_labelled_dataset():

@@ -11,8 +11,8 @@
 - ends: `walls`, `drives`, and `boundary_checks` of both with the precompression;
 - equilibrium: `static_forces`, `static_state`, `equilibrium`;
 - units: `scales`, `conversion`;
-- range of the model: `hertz_range` with `hertz_ratios` and `impact_overlaps`, the assumed
-  `yield_pressure`, and `loss_range`;
+- range of the model: `hertz_range` with `hertz_ratios`, `impact_overlaps` and
+  `hertz_warnings`, the assumed `yield_pressure`, and `loss_range`;
 - input: `input_checks`, `feature_support`, `bead_names`, `places`;
 - numerical method: `bisection`.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..validation.keywords import checked_arguments
 from .chain import Chain
 from .feature_support import require_chain
-from .hertz_range import warn_outside_static
+from .hertz_warnings import warn_outside_static
 from .static_state import StaticState
 
 

@@ -33,14 +33,14 @@ K. L. Johnson, *Contact Mechanics*, Secs. 4.2, 6.1 and 11.4, doi:10.1017/CBO9781
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Final
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..collision import Array
-from ..errors import InputError, ModelRangeWarning, warn_user
+from ..errors import InputError
 from ..representation import counted, short
 from ..validation.keywords import checked_arguments
 from .chain import Chain
@@ -79,6 +79,9 @@ ESTIMATED: Final = (
     "estimated before a run (to about 10% in smooth chains only);\n"
     "of a run: hertz_range(run.chain, run.largest_overlaps)"
 )
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False)
@@ -304,6 +307,29 @@ class HertzRange:
             texts.append(f"1 at {contacts_in_words(yielded, beads)}, {by_law}")
         return "; ".join(texts) or f"unknown ({UNKNOWN_YIELD})"
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per contact, walls included.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``contact``; the ratios and limits of the attributes, which have no unit.
+            Those of a free end, and those that are not known, are missing.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
+        >>> hc.hertz_range(chain).to_dataframe().yield_ratio.loc[1:3].round(2).tolist()
+        [1.4, 1.4, 1.4]
+        """
+        import pandas as pd
+
+        names = ("overlap_ratio", "overlap_limit", "yield_ratio", "law_yield_ratio",
+                 "static_overlap_ratio", "static_yield_ratio")  # fmt: skip
+        contacts = pd.RangeIndex(len(self.overlap_ratio), name="contact")
+        return pd.DataFrame({name: getattr(self, name) for name in names}, index=contacts)
+
     def __repr__(self) -> str:
         overlap = self._most_squeezed
         count = len(self.violations)
@@ -400,50 +426,6 @@ def hertz_range(chain: Chain, overlaps: ArrayLike | None = None) -> HertzRange:
         speed=impact_speed(chain),
         estimated=overlaps is None,
     )
-
-
-def warn_outside_hertz(
-    chain: Chain, overlaps: ArrayLike | None = None, later: str = "", *, method: str = ""
-) -> None:
-    """Issue a warning for each limit of Hertz's law that a chain in SI units exceeds.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain; there is no warning if it has no materials.
-    overlaps : array_like, optional
-        Largest overlap of each contact, as for `hertz_range`.
-    later : str
-        Words to add if larger overlaps may follow.
-    method : str
-        Name of the method that gave the overlaps, such as ``"BCA"``, if those of others differ.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> from hertzchain.chain.hertz_range import warn_outside_hertz
-    >>> warn_outside_hertz(hc.Chain.uniform(3), [0.1, 0.1])
-    """
-    if chain.units == "SI" and chain.materials is not None:
-        for violation in hertz_range(chain, overlaps).violations:
-            more = f"; {later}" * bool(later and "/ sound" not in violation)
-            warn_user(f"{method}{': ' * bool(method)}{violation}{more}", ModelRangeWarning)
-
-
-def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
-    """Issue a warning for each limit of Hertz's law that the static forces alone exceed.
-
-    Parameters
-    ----------
-    chain : Chain
-        Any chain; there is no warning if it has no materials.
-    linear : bool
-        Whether the motion is linearised, for which contacts cannot have a law with yield.
-    """
-    if chain.units == "SI" and chain.materials is not None and chain.static_state.forces.any():
-        at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)
-        for violation in at_rest._violations(linear=linear):
-            warn_user(violation, ModelRangeWarning)
 
 
 def _place(contact: int, found: HertzRange) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..collision import Array
 from ..frozen import Frozen
-from ..representation import short
+from ..representation import measure, short
 from .contact_groups import loading_overlaps
 from .fields import ChainFields
 from .static_forces import static_forces
@@ -44,6 +44,8 @@ class StaticState(Frozen):
         chain, and the force that holds a free end.
     overlaps : ndarray, shape (N + 1,)
         Static overlap of each contact [scaled, or m]; 0 at a free end.
+    units : str
+        ``"SI"`` or, in scaled variables, ``"scaled"``.
 
     Examples
     --------
@@ -58,10 +60,14 @@ class StaticState(Frozen):
     forces: Array
     body_forces: Array
     overlaps: Array
+    units: str = "scaled"
 
     def __repr__(self) -> str:
-        forces = f"static forces {self.forces.min():.4g} .. {self.forces.max():.4g}"
-        moved = f"largest displacement {np.abs(self.positions).max():.4g}"
+        low, high = (
+            measure(each, "N", self.units) for each in (self.forces.min(), self.forces.max())
+        )
+        forces = f"static forces {low} .. {high}"
+        moved = f"largest displacement {measure(np.abs(self.positions).max(), 'm', self.units)}"
         return short("StaticState", f"{len(self.positions)} beads", forces, moved)
 
 
@@ -95,4 +101,4 @@ def static_state(chain: ChainFields) -> StaticState:
     found = positions, gaps, forces, body_forces, overlaps
     for values in found:
         values.setflags(write=False)
-    return StaticState(*found)
+    return StaticState(*found, units=chain.units)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Final
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError, short_repr
@@ -15,6 +16,9 @@ from .laws import Loss
 from .materials import RIGID, Material, MaterialLike, material
 from .parts import Part
 from .scales import scale
+
+# Stiffness of a linear contact without a unit from which it is also shown in that of SI units.
+LARGE: Final = 1e3
 
 
 def material_of_wall(wall: Wall | None, bead: Material) -> Material:
@@ -179,5 +183,10 @@ class Wall(Part):
     def _stiffness_in_words(self) -> str:
         """The given stiffness, in the unit of its contact if it was given with a unit."""
         if self.stiffness is None or "stiffness" not in self.with_units:
-            return "" if self.stiffness is None else f"{self.stiffness:g}"
+            if self.stiffness is None:
+                return ""
+            # A wall is independent of its chain; in scaled variables, stiffnesses are small.
+            meant = self.exponent == 1.0 and self.stiffness >= LARGE
+            in_si = f" (in SI units {stiffness_in_words(self.stiffness, 1.0)})" if meant else ""
+            return f"{self.stiffness:g}{in_si}"
         return stiffness_in_words(self.stiffness, 1.0 if self.exponent == 1.0 else HERTZ_EXPONENT)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, warn_user
 from ..simulation.simulate import default_step_limit

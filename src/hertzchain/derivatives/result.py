@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 class Gradient(Frozen):
     """Value of a quantity and its derivatives; unpacks as ``value, gradient``.
 
-    ``gradient["radii"]`` is the array of derivatives with respect to the radii.
+    ``gradient["radii"]`` is the array of derivatives dQ/dR with respect to the radii, and
+    ``gradient.relative("radii")`` that of logarithmic ones, in percent per 1%, as of
+    `local_rate_gradient`.
 
     Attributes
     ----------
@@ -93,6 +95,12 @@ class Gradient(Frozen):
         return iter((self.value, self.gradient))
 
     def __getitem__(self, name: str) -> Array:
+        if isinstance(name, int | np.integer) and not isinstance(name, bool):
+            raise InputError(
+                f"a gradient is indexed by the name of a parameter, such as "
+                f"gradient[{next(iter(self.gradient))!r}], got {name}; its value is "
+                "gradient.value, and 'value, slopes = gradient' gives both"
+            )
         if not isinstance(name, str) or name not in self.gradient:
             raise unknown_name_error("parameter of this gradient", name, self.gradient)
         return self.gradient[name]
@@ -142,8 +150,10 @@ class Gradient(Frozen):
         -------
         pandas.DataFrame
             Columns ``parameter``, ``number`` of the bead or contact (missing for a parameter
-            without one), ``value`` and ``derivative`` of the quantity, and ``unit`` of the
-            derivative, which is empty in a scaled chain.
+            without one), ``value`` of the parameter, ``derivative`` of the quantity and its
+            ``unit``, which is empty in a scaled chain, and ``relative``, the logarithmic
+            derivative: the change of the quantity in percent if the parameter grows by 1% (missing
+            if the quantity is 0).
 
         Examples
         --------
@@ -158,12 +168,13 @@ class Gradient(Frozen):
         for name, slopes in self.gradient.items():
             single = np.ndim(slopes) == 0
             values = np.broadcast_to(self.parameters[name], np.shape(slopes))
-            entries = zip(np.atleast_1d(values), np.atleast_1d(slopes), strict=True)
+            relative = np.full(np.shape(slopes), np.nan) if self.value == 0 else self.relative(name)
+            entries = zip(*map(np.atleast_1d, (values, slopes, relative)), strict=True)
             rows += [
-                (name, None if single else k, value, slope, self.units.get(name, ""))
-                for k, (value, slope) in enumerate(entries, 1)
+                (name, None if single else k, value, slope, self.units.get(name, ""), percent)
+                for k, (value, slope, percent) in enumerate(entries, 1)
             ]
-        columns = ["parameter", "number", "value", "derivative", "unit"]
+        columns = ["parameter", "number", "value", "derivative", "unit", "relative"]
         return pd.DataFrame(rows, columns=columns).astype({"number": "Int64"})
 
     def to_xarray(self) -> xr.Dataset:
@@ -244,6 +255,7 @@ class Gradient(Frozen):
         value = f"{self.value:.6g}" + (f" {self.unit}" if self.unit not in ("", "1") else "")
         return short(
             "Gradient", f"{self.quantity} = {value}", names,
+            f"in % per 1%: relative({next(iter(self.gradient))!r})",
             f"relative error about {self.error:.1g}",
             "" if self.method == "adjoint" else f"by {self.method}", *self._remarks,
         )  # fmt: skip

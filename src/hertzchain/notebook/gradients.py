@@ -29,15 +29,22 @@ def gradient_html(found: Gradient) -> str:
     if np.isfinite(found.error):
         shown["relative error"] = f"{found.error:.1g}"
     parts.append(numbers(shown))
-    rows = [_row(name, values, found.units[name]) for name, values in found.gradient.items()]
-    parts.append(table(("parameter", "largest derivative", "at"), rows))
+    rows = [
+        [
+            *_row(values, found.units[name], name),
+            *_row(found.relative(name) if known else None, "%"),
+        ]
+        for name, values in found.gradient.items()
+    ]
+    parts.append(table(("parameter", "largest derivative", "at", "largest % per 1%", "at"), rows))
     parts += [note(sentence(each)) for each in found._remarks if each != "complete"]
     return page("Gradient", found.quantity, *parts)
 
 
-def _row(name: str, values: Array, unit: str) -> list[str]:
+def _row(values: Array | None, unit: str, *name: str) -> list[str]:
+    """The largest value, and its bead or contact."""
+    if values is None or not np.isfinite(values).any():
+        return [*name, "none", ""]
     flat = np.atleast_1d(values).ravel()
-    if not np.isfinite(flat).any():
-        return [name, "none", ""]
     k = int(np.nanargmax(np.abs(flat)))
-    return [name, f"{flat[k]:.4g} {unit}".strip(), f"{k + 1}" if values.ndim == 1 else ""]
+    return [*name, f"{flat[k]:.4g} {unit}".strip(), f"{k + 1}" if values.ndim == 1 else ""]

@@ -22,7 +22,7 @@ from ..chain.feature_support import (
     require_struck,
     require_supported,
 )
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, SimulationError, short_repr
 from ..frozen import once

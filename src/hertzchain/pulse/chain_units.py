@@ -17,7 +17,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.conversion import ROUNDING
 from ..chain.feature_support import Alternative, require_chain, require_struck, require_supported
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..chain.scales import Scales
 from ..errors import InputError, ModelRangeWarning
 from ..recorded_warnings import ObserveWarnings

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..chain.drives import TableDrive
 from ..chain.feature_support import require_chain
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..chain.loss_range import warn_outside_losses
 from ..collision import Array
 from ..errors import InputError, SimulationError

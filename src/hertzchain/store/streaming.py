@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..collision import Array
 from ..errors import (
     DamageWarning,

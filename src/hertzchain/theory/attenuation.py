@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..chain.contact_groups import ContactGroup
 from ..chain.feature_support import require_supported
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..chain.laws import Loss
 from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..chain.laws.velocity_power import VelocityPower

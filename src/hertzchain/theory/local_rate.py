@@ -18,7 +18,7 @@ import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.decorations import decoration_of
-from ..chain.hertz_range import warn_outside_hertz
+from ..chain.hertz_warnings import warn_outside_hertz
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user
 from ..pulse.chain_units import for_any_units, scaled_chain, unit_of
@@ -229,7 +229,7 @@ def velocity_errors(radii: Array, exponent: float) -> Array | None:
 def local_rate_gradient(
     chain: Chain, quantity: str = "velocity", *, bead: int
 ) -> tuple[float, Array]:
-    r"""Value of the local-rate law at one bead, and its derivatives with respect to all radii.
+    r"""Value of the local-rate law at one bead, and its logarithmic derivatives by all radii.
 
     .. math:: Q_k, \qquad \frac{\partial \ln Q_k}{\partial \ln R_j}, \quad j = 1..N
 
@@ -255,7 +255,9 @@ def local_rate_gradient(
     value : float
         :math:`Q_k` [scaled, or SI], equal to that of `local_rate`.
     gradient : ndarray, shape (N,)
-        Logarithmic derivatives with respect to the radii.
+        Logarithmic derivatives with respect to the radii: change of the quantity in percent if a
+        radius grows by 1%, as ``gradient(...).relative("radii")``.  The derivative itself is
+        ``value * gradient / chain.radii``.
 
     Raises
     ------

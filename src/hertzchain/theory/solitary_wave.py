@@ -14,14 +14,15 @@ import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
 from ..validation.keywords import checked_arguments, checked_methods
-from ..validation.numbers import has_unit, number
+from ..validation.numbers import bounded_numbers, has_unit, number
 from .solitary_wave_solver import (
     POINTS_PER_BEAD,
     box_transform,
@@ -93,12 +94,12 @@ class SolitaryWave:
 
     def speed(
         self,
-        velocity: float,
-        mass: float = 1.0,
-        stiffness: float = 1.0,
+        velocity: ArrayLike,
+        mass: ArrayLike = 1.0,
+        stiffness: ArrayLike = 1.0,
         *,
         diameter: float | str | None = None,
-    ) -> float:
+    ) -> Any:
         r"""Speed V of the wave, in beads per time or, with a diameter, in length per time.
 
         `hertzchain.Pulse.speed` is a length per time: in scaled variables, where the radius is 1
@@ -106,22 +107,24 @@ class SolitaryWave:
 
         Parameters
         ----------
-        velocity, mass, stiffness : float
+        velocity, mass, stiffness : float or array_like
             Peak velocity of a bead, its mass, and the stiffness of its contacts, in scaled or
-            any other consistent units; all must be positive.  If one is text with a unit, such as
+            any other consistent units; all must be positive, and arrays must fit together as in
+            NumPy.  If one is text with a unit, such as
             ``"0.05 m/s"``, the others are in SI units and must be given.
         diameter : float or str, optional
             Diameter of a bead, by which the speed in beads per time is multiplied.
 
         Returns
         -------
-        float
+        float or ndarray
             Speed [beads per unit time; with a diameter, its unit per unit time].
 
         Raises
         ------
         InputError
-            If an argument is not positive and finite, or one has a unit and another is omitted.
+            If an argument is not positive and finite, one has a unit and another is omitted, or
+            the shapes of arrays do not fit together.
 
         Examples
         --------
@@ -143,17 +146,17 @@ class SolitaryWave:
         per_time = self.speed_constant * (k / m) ** s * v ** ((self.exponent - 1.0) * s)
         return length * per_time
 
-    def momentum(self, velocity: float, mass: float = 1.0) -> float:
+    def momentum(self, velocity: ArrayLike, mass: ArrayLike = 1.0) -> Any:
         r"""Momentum :math:`P = P_1 m v` of the whole wave.
 
         Parameters
         ----------
-        velocity, mass : float
+        velocity, mass : float or array_like
             As for `speed`.
 
         Returns
         -------
-        float
+        float or ndarray
             Momentum.
 
         Examples
@@ -168,17 +171,17 @@ class SolitaryWave:
         v, m, _ = self._checked(velocity, mass)
         return self.momentum_constant * m * v
 
-    def energy(self, velocity: float, mass: float = 1.0) -> float:
+    def energy(self, velocity: ArrayLike, mass: ArrayLike = 1.0) -> Any:
         r"""Energy :math:`E = E_1 m v^2` of the whole wave, kinetic and elastic.
 
         Parameters
         ----------
-        velocity, mass : float
+        velocity, mass : float or array_like
             As for `speed`.
 
         Returns
         -------
-        float
+        float or ndarray
             Energy.
 
         Examples
@@ -192,17 +195,19 @@ class SolitaryWave:
         v, m, _ = self._checked(velocity, mass)
         return self.energy_constant * m * v**2
 
-    def peak_force(self, velocity: float, mass: float = 1.0, stiffness: float = 1.0) -> float:
+    def peak_force(
+        self, velocity: ArrayLike, mass: ArrayLike = 1.0, stiffness: ArrayLike = 1.0
+    ) -> Any:
         r"""Largest contact force F.
 
         Parameters
         ----------
-        velocity, mass, stiffness : float
+        velocity, mass, stiffness : float or array_like
             As for `speed`.
 
         Returns
         -------
-        float
+        float or ndarray
             Force.
 
         Examples
@@ -215,7 +220,9 @@ class SolitaryWave:
         s = 1.0 / (self.exponent + 1.0)
         return self.force_constant * k**s * (m * v**2) ** (self.exponent * s)
 
-    def velocity_from_force(self, force: float, mass: float = 1.0, stiffness: float = 1.0) -> float:
+    def velocity_from_force(
+        self, force: ArrayLike, mass: ArrayLike = 1.0, stiffness: ArrayLike = 1.0
+    ) -> Any:
         r"""Peak velocity v of a bead in the wave whose largest contact force is given.
 
         .. math:: v = \left(\frac{F}{F_1}\right)^{\frac{p+1}{2p}} k^{-\frac1{2p}}\, m^{-\frac12}
@@ -225,15 +232,15 @@ class SolitaryWave:
 
         Parameters
         ----------
-        force : float
+        force : float or array_like
             Largest force F of a contact.  The force in a sensor in a bead, which is the mean of the
             forces on both halves, has a lower maximum.
-        mass, stiffness : float
+        mass, stiffness : float or array_like
             As for `speed`.
 
         Returns
         -------
-        float
+        float or ndarray
             Velocity.
 
         Raises
@@ -250,14 +257,16 @@ class SolitaryWave:
         >>> velocity = wave.velocity_from_force(20.0, **steel)
         >>> round(velocity, 4), round(wave.speed(velocity, **steel, diameter="10 mm"), 2)
         (0.0964, 456.24)
+        >>> wave.velocity_from_force([5.0, 20.0, 80.0], **steel).round(4)
+        array([0.0304, 0.0964, 0.3061])
         """
         f, m, k = self._checked(force, mass, stiffness, name="force")
         half = 0.5 / self.exponent
-        return float((f / self.force_constant) ** (0.5 + half) * k**-half * m**-0.5)
+        return (f / self.force_constant) ** (0.5 + half) * k**-half * m**-0.5
 
     def _checked(
-        self, value: float, mass: float, stiffness: float | None = None, *, name: str = "velocity"
-    ) -> tuple[float, float, float]:
+        self, value: Any, mass: Any, stiffness: Any = None, *, name: str = "velocity"
+    ) -> tuple[Any, Any, Any]:
         """Velocity or force, mass and stiffness as positive numbers, in SI if one has a unit."""
         units = {name: {"velocity": "m/s", "force": "N"}[name], "mass": "kg",
                  "stiffness": f"N/m**{self.exponent}"}  # fmt: skip
@@ -272,10 +281,17 @@ class SolitaryWave:
                     "too, such as mass='4.07 g' and stiffness=chain.stiffness[0]"
                 )
         v, m, k = (
-            number(f"{name} of a solitary wave", given.get(name, 1.0), unit=units[name],
-                   least=1.0 / MAX_SCALE, most=MAX_SCALE)
+            _positive(f"{name} of a solitary wave", given.get(name, 1.0), units[name])
             for name in units
-        )  # fmt: skip
+        )
+        shapes = {name: np.shape(each) for name, each in zip(units, (v, m, k), strict=True)}
+        try:
+            np.broadcast_shapes(*shapes.values())
+        except ValueError:
+            texts = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+            raise InputError(
+                f"the shapes of arrays for a solitary wave do not fit together: {texts}"
+            ) from None
         return v, m, k
 
     @property
@@ -362,6 +378,14 @@ class _Scaled:
 
     def __call__(self, at: Array) -> Array:
         return self.factor * self.function(at)
+
+
+def _positive(what: str, value: Any, unit: str) -> Any:
+    """A positive number, or an array of them."""
+    several = isinstance(value, list | tuple) or np.ndim(getattr(value, "magnitude", value)) > 0
+    if not several:
+        return number(what, value, unit=unit, least=1.0 / MAX_SCALE, most=MAX_SCALE)
+    return bounded_numbers(what, value, unit=unit, least=1.0 / MAX_SCALE, most=MAX_SCALE)
 
 
 def _checked_exponent(exponent: float) -> float:

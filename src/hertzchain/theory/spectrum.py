@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from ..chain.chain import Chain
 from ..chain.drives import Driven
 from ..chain.feature_support import require_chain
-from ..chain.hertz_range import warn_outside_static
+from ..chain.hertz_warnings import warn_outside_static
 from ..collision import Array
 from ..errors import InputError
 from ..representation import measure, short

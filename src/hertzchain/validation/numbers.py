@@ -306,12 +306,13 @@ def bounded_numbers(
     unit: str | None = None,
     above: float = -math.inf,
     least: float = -math.inf,
+    most: float = math.inf,
 ) -> Array:
-    """Convert finite real numbers above a bound, or at least at it, to an array of any shape."""
+    """Convert finite real numbers within their bounds to an array of any shape."""
     values = real_numbers(what, given, unit=unit)
-    good = np.isfinite(values) & (values > above) & (values >= least)
+    good = np.isfinite(values) & (values > above) & (values >= least) & (values <= most)
     if not good.all():
-        bounds = (("above", above), ("at least", least))
+        bounds = (("above", above), ("at least", least), ("at most", most))
         limits = [f" and {text} {bound:g}" for text, bound in bounds if math.isfinite(bound)]
         worst = float(values.flat[int(np.argmin(good))])
         raise InputError(f"{what} must be finite{''.join(limits)}, got {worst:g}")

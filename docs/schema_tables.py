@@ -75,8 +75,8 @@ def _sections() -> Iterator[str]:
             yield from (f"Several tables are written as `[[{name}]]`.", "")
         if section["texts"]:
             texts = ", ".join(f'`"{text}"`' for text in section["texts"])
-            option = "--cap" if name == "chain.cap" else "--wall"
             key = name.removeprefix("chain.")
+            option = f"--{key}" if key in ("cap", "loss") else "--wall"
             yield from (f"Instead of the table, `{key}` can be text as for `{option}` on the "
                         f"command line: {texts}.", "")  # fmt: skip
         if section["keys"]:

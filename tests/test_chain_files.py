@@ -783,3 +783,53 @@ def test_materials_that_do_not_repeat_once_have_a_warning():
     assert [each.name for each in chain.materials] == ["brass", "glass", "ptfe", "brass"]
     with pytest.raises(InputError, match="there must be 4 materials, one for each bead, got 5"):
         hc.chain_from_toml(ROW.replace('"brass"', '["brass", "glass", "ptfe", "brass", "ptfe"]'))
+
+
+STEEL_ROW = (
+    '[chain]\ndiameters = "10 mm"\nbeads = 4\nmaterials = "steel-52100"\nvelocity = "1 m/s"\n'
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "law"),
+    [
+        ("viscoelastic=0.6 us", hc.Viscoelastic("0.6 us")),
+        ("restitution=0.95", hc.Restitution(0.95)),
+        ("restitution = 95%, attractive=false", hc.Restitution(0.95, attractive=False)),
+        ("elastic-plastic", hc.ElasticPlastic()),
+        ("elastic-plastic, factor=2.8", hc.ElasticPlastic(factor=2.8)),
+        ("elastic", hc.Elastic()),
+    ],
+)
+def test_a_loss_can_be_the_text_of_the_option(tmp_path, text, law):
+    chain = hc.load_chain(written(tmp_path, f'{STEEL_ROW}loss = "{text}"\n'))
+    assert chain.loss == (None if isinstance(law, hc.Elastic) else law) or chain.loss == law
+
+
+def test_a_loss_as_text_can_follow_from_a_collision(tmp_path):
+    text = "viscoelastic, restitution=0.95, speed=1 m/s"
+    table = '{law = "viscoelastic", restitution = 0.95, speed = "1 m/s"}'
+    one, other = (
+        hc.load_chain(written(tmp_path, f"{STEEL_ROW}loss = {each}\n")).loss
+        for each in (f'"{text}"', table)
+    )
+    assert one == other
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("viscous=1", "unknown law of loss of [chain] 'viscous': choose from"),
+        ("elastic=3", "elastic has no parameter"),
+        ("restitution", "requires coefficient or restitution"),
+        ("viscoelastic=0,6 us", "comma between two digits"),
+        ("viscoelastic=", "must be a law with its parameter"),
+        ("restitution=0.9, 0.8", "must be a law with its parameter"),
+        ("restitution=0.9, coefficient=0.8", "two values of the coefficient"),
+        ("restitution=0.9, x=1", "unknown key of [chain.loss] 'x'"),
+        ("viscoelastic=true", "must be a number"),
+    ],
+)
+def test_errors_of_losses_as_text(tmp_path, text, said):
+    with pytest.raises(InputError, match=re.escape(said)):
+        hc.load_chain(written(tmp_path, f'{STEEL_ROW}loss = "{text}"\n'))

@@ -39,7 +39,7 @@ MISSING: Final = 0.05
 WIDTH: Final = 5
 # Neighbouring contacts with which the reflected energy is compared, and how many of those beyond
 # `before` are enough; differences, relative to it and to the incident energy, from which it depends
-# on the contact.
+# on the contact, the latter also from which a coefficient depends on the end of the count.
 NEARBY, ENOUGH = 6, 3
 SAME, SMALL = 0.1, 0.005
 
@@ -84,6 +84,8 @@ def reflection_of(
     Warns
     -----
     InputWarning
+        If a coefficient of energy depends on ``until`` (`Reflection.late_energy`), as in dimers,
+        in which weak waves follow the incident one.
         If the contacts are less than 10 apart, or less than 5 from a wall or free end.
         If more than 5% of the incident energy is missing from the balance, because of other
         waves; if ``missing_momentum`` exceeds 5%.
@@ -146,7 +148,8 @@ def reflection_of(
     if late:
         warn_user(late, InputWarning if found.disturbed else IncompleteWarning)
     momentum = "" if other or late else _missing_in_waves(found)
-    for reason in filter(None, (depends, other, momentum, near_object)):
+    growing = "" if other or late else _growing(found)
+    for reason in filter(None, (depends, other, growing, momentum, near_object)):
         warn_user(reason, InputWarning)
     return found
 
@@ -269,15 +272,17 @@ def _end_of_count(
     stop: float,
     has_left: Callable[[float], bool],
 ) -> tuple[float, float]:
-    """Time at which counting ends because another wave enters, and the energy of earlier ones."""
-    entered = 0.0
+    """Time at which counting ends because another wave enters, energy of earlier ones."""
+    entered = strong = 0.0
     for event in sorted(entering, key=lambda each: each.begin):
         share = event.energy / incident.energy
-        if event.begin >= stop or share <= WEAK:
-            continue
-        late = event.begin > incident.end and not has_left(event.begin)
-        if not late or entered + share > MISSING:
-            return event.begin, entered
+        if event.begin >= stop:
+            break
+        if share > WEAK:
+            late = event.begin > incident.end and not has_left(event.begin)
+            if not late or strong + share > MISSING:
+                return event.begin, entered
+            strong += share
         entered += share
     return stop, entered
 
@@ -384,6 +389,23 @@ def _other_waves(found: Reflection) -> str:
         f"other waves contribute: {found.unexplained_energy:.0%} of the incident energy is "
         "missing from the balance, so the coefficients are not those of one wave; choose "
         "other contacts, since or until"
+    )
+
+
+def _growing(found: Reflection) -> str:
+    """Which coefficient depends on the end of the count, or ''."""
+    parts = zip(("reflected", "transmitted"), found.late_energy, strict=True)
+    name, late = max(parts, key=lambda each: each[1])
+    # Otherwise the waves of a train have passed one after another, and the coefficient is final.
+    if not min(late, found.entered_energy) > SMALL:
+        return ""
+    whole = getattr(found, f"{name}_energy")
+    return (
+        f"the {name} energy depends on the end of the count: it rose from {whole - late:.4f} to "
+        f"{whole:.4f} in the last third of the time until {_time(found.chain, found.until)}, "
+        f"and weak waves with {found.entered_energy:.4f} of the incident energy followed the "
+        "incident one; state until, or use the balance of all waves, "
+        f"run.energy_flux().balance({found.before}, {found.after})"
     )
 
 

@@ -64,9 +64,10 @@ class Reflection(Compared):
         has, relative to the incident momentum: of forces that do not rise to a maximum, for
         example.
     entered_energy : float
-        Energy of weak waves, of at most 5% in total, that entered from outside before the
-        incident wave had left, relative to the incident energy.  It leaves with the counted
-        waves, which limits the error of the coefficients of energy to this size.
+        Energy of weak waves that entered from outside and did not end the count, relative to the
+        incident energy: of at most 5% in total before the incident wave had left, and waves of
+        less than 1% each at any time.  It leaves with the counted waves, which limits the error of
+        the coefficients of energy to this size.
     nearby_energy : tuple of float
         Smallest and largest coefficient R of energy at the 6 contacts in front of ``before``, or
         at those beyond it if only their median agrees with R.  In dimers, weak waves that meet
@@ -142,6 +143,21 @@ class Reflection(Compared):
         return max((e.amplitude for e in self.transmitted), default=0.0) / self.incident.amplitude
 
     @property
+    def late_energy(self) -> tuple[float, float]:
+        """Parts of R and T that were counted in the last third of the time.
+
+        The time begins when the incident wave has passed ``before``.  Where a part and
+        ``entered_energy`` are large, the coefficient depends on ``until``: in a dimer, for
+        example, the pulse sheds weak waves that follow it and are reflected, too.  A part is 0 if
+        the strongest wave itself passed in this time.
+        """
+        begin = self.until - (self.until - self.incident.end) / 3.0
+        return (
+            _counted_since(begin, self.reflected) / self.incident.energy,
+            _counted_since(begin, self.transmitted) / self.incident.energy,
+        )
+
+    @property
     def unexplained_energy(self) -> float:
         """Error of the balance, 1 + ``entered_energy`` - R - T - ``kept_energy``.
 
@@ -199,7 +215,7 @@ class Reflection(Compared):
 
     def __repr__(self) -> str:
         ended = "another wave entered" if self.disturbed else "nothing else entered"
-        if self.entered_energy:
+        if self.entered_energy > SHOWN:
             ended = f"waves with energy {self.entered_energy:.4f} entered"
         end = measure(self.until, "s", self.chain.units)
         return (
@@ -211,3 +227,11 @@ class Reflection(Compared):
             f"{self.transmitted_momentum:.4f}, {counted(len(self.transmitted), 'wave')}; "
             f"momentum kept {self.kept_momentum:.4f})"
         )
+
+
+def _counted_since(begin: float, waves: tuple[WaveEvent, ...]) -> float:
+    """Energy of the waves after a time; 0 if the strongest one is among them."""
+    strongest = max(waves, key=lambda event: event.energy, default=None)
+    if strongest is None or strongest.time > begin:
+        return 0.0
+    return sum(event.energy for event in waves if event.time > begin)

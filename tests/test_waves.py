@@ -201,7 +201,9 @@ def test_weak_waves_that_are_not_resolved_are_marked():
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         waves = run.waves()
-    assert [wave.resolved for wave in waves].count(False) == len(told)
+    unresolved = [wave.resolved for wave in waves].count(False)
+    assert f"{unresolved} of {len(waves)} waves" in str(told[0].message)
+    assert all("may end early" in str(each.message) for each in told[1:])
 
 
 @pytest.mark.parametrize(
@@ -364,6 +366,19 @@ def test_velocity_peaks_of_a_run_without_saved_times_advise_a_number():
     (width,) = hc.simulate(chain, until=60.0, times=needed).velocity_peaks(20).widths
     exact = hc.simulate(chain, until=60.0, times=6000).velocity_peaks(20).widths[0]
     assert width == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.parametrize("times", [400, 800])
+def test_a_track_that_few_saved_times_end_early_is_announced(times):
+    """The pulse passes all 39 contacts, as the largest overlaps show."""
+    run = hc.simulate(hc.Chain.tapered("forward-exponential", 0.1, beads=40), times=times)
+    assert run.largest_overlaps[1:40].min() > 0.0
+    with (
+        pytest.warns(hc.InputWarning, match="marked as unresolved"),
+        pytest.warns(hc.InputWarning, match=r"track of a wave may end early at contact 3\d,"),
+    ):
+        last = run.waves()[0].contacts[-1]
+    assert last < 39
 
 
 def test_the_advice_of_a_reflection_is_enough():

@@ -31,6 +31,7 @@ from .wave_events import (
     check_saved_times,
     events_of,
     largest_force_of,
+    static_forces_of,
 )
 from .wave_samples import MIN_SAMPLES, advised_times, are_few
 from .waves import DIRECTIONS, Wave, Waves
@@ -39,6 +40,10 @@ from .waves import DIRECTIONS, Wave, Waves
 HOP: Final = 0.668
 # Limit of the cost of linking two events.
 MAX_COST: Final = 4.0
+# Saved times per duration below which the crest at the next contact may be missed, and largest
+# force there over that at the last contact of a track from which the wave has passed.
+LOST: Final = 0.5 * MIN_SAMPLES
+PASSED: Final = 0.5
 # Part of the largest energy through a contact from which the energy through another one counts.
 MUCH: Final = 0.1
 
@@ -69,10 +74,11 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     Warns
     -----
     InputWarning
-        If some weaker waves are not resolved; they are marked.  If most of the energy that passes
-        more than 5 neighbouring contacts, or all contacts of a shorter chain, is in no listed wave
-        (`Waves.unlisted_energy`).  A wave that has not passed ``min_contacts`` contacts by the end
-        of the run is not listed.
+        If some weaker waves are not resolved; they are marked.  If a track may end early, because
+        fewer than 4 times were saved while the wave passed its last contact.  If most of the energy
+        that passes more than 5 neighbouring contacts, or all contacts of a shorter chain, is in no
+        listed wave (`Waves.unlisted_energy`).  A wave that has not passed ``min_contacts`` contacts
+        by the end of the run is not listed.
 
     Examples
     --------
@@ -100,6 +106,7 @@ def find_waves(self: Trajectory, *, threshold: float = 0.01, min_contacts: int =
     found = [Wave(self.chain, track[0].direction, tuple(track)) for track in tracks]
     found.sort(key=lambda wave: wave.events[0].time)
     _check_resolved(self, found)
+    _warn_lost(self, found)
     waves = Waves(self.chain, tuple(found), tuple(every), _unlisted(curves[1:-1], found))
     if waves._unlisted:
         few = f"; with few saved times, waves may be missing: {advised_times(self)}"
@@ -160,13 +167,27 @@ def _columns(events: list[WaveEvent]) -> tuple[Array, Array, Array]:
     return np.array([event.time for event in events]), impulse / amplitude, impulse
 
 
+def _may_be_lost(run: Trajectory, wave: Wave) -> bool:
+    """Whether a track ends inside the chain, before the end of the run, for want of saved times."""
+    last = wave.events[-1]
+    following = last.contact + wave.direction
+    inside = 0 < following < run.chain.beads
+    if not inside or last.samples >= LOST:
+        return False
+    # Largest overlaps do not depend on the saved times.
+    overlap = max(0.0, float(run.largest_overlaps[following]))
+    force = (
+        run.chain.contact_stiffness[following] * overlap ** run.chain.contact_exponents[following]
+    )
+    return bool(force - static_forces_of(run)[following] > PASSED * last.amplitude)
+
+
 def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
     """Raise an error if the strongest wave is not resolved; warn about weaker ones."""
     missed = [wave for wave in waves if not wave.resolved]
     if not missed:
         return
-    worst = min(wave.samples for wave in missed)
-    advice = advised_times(run)
+    worst, advice = min(wave.samples for wave in missed), advised_times(run)
     strongest = max(waves, key=lambda wave: wave.energy)
     samples = float(np.median([event.samples for event in strongest.events]))
     if samples < MIN_SAMPLES:
@@ -178,5 +199,20 @@ def _check_resolved(run: Trajectory, waves: list[Wave]) -> None:
     warn_user(
         f"{len(missed)} of {len(waves)} waves have fewer than {MIN_SAMPLES:g} saved times while "
         f"they pass a contact (least: {worst:.3g}) and are marked as unresolved; {advice}",
+        InputWarning,
+    )
+
+
+def _warn_lost(run: Trajectory, waves: list[Wave]) -> None:
+    """Warn about tracks that may end early."""
+    lost = [wave for wave in waves if _may_be_lost(run, wave)]
+    if not lost:
+        return
+    end = max(lost, key=lambda wave: wave.energy).events[-1]
+    several = f"the tracks of {len(lost)} waves may end early, that of the strongest"
+    tracks = several if len(lost) > 1 else "the track of a wave may end early"
+    warn_user(
+        f"{tracks} at contact {end.contact}, which it passes within {end.samples:.2g} saved times; "
+        f"{advised_times(run)}",
         InputWarning,
     )

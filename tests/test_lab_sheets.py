@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.recorded_warnings import ignore_warnings
 from hertzchain.sheets import answers
 from hertzchain.sheets.similarity import other_scales
 
@@ -119,7 +120,7 @@ def test_a_blank_sheet_has_predictions_only_for_the_teacher():
     assert "4. Ask your teacher for the predictions, and divide your means by them." in own
     lossy = CELL.replace(loss=hc.Restitution(0.9))
     own = hc.lab_sheet(lossy, heights=HEIGHTS, blank=True).to_markdown()
-    assert "The teacher's predictions include losses in the contacts." in own
+    assert "The teacher's predictions include losses in the contacts (restitution 0.9)." in own
 
 
 def test_the_answers_say_to_which_tasks_they_belong(sheet):
@@ -248,6 +249,73 @@ def test_exponents_are_raised(sheet):
     assert "v^(6/5)" in sheet.to_markdown()
 
 
+@pytest.fixture(scope="module")
+def column():
+    """A vertical column on a load cell, struck by a heavy flat body."""
+    row = hc.Chain.from_materials(
+        diameters="19.05 mm", materials="steel-52100", beads=12, gravity="9.81 m/s^2",
+        right_wall=hc.Wall("200 kN/mm", exponent=1),
+    )  # fmt: skip
+    struck = row.struck_by(mass="0.5 kg", radius="inf", height="1 mm")
+    return hc.lab_sheet(struck, sensors=["ball 6", "wall"], heights=["1 mm", "2 mm", "5 mm"])
+
+
+def test_forces_on_a_load_cell_are_those_of_the_first_pulse(column):
+    """A second pulse of a heavy striker is stronger; values of DOP853 of SciPy."""
+    assert column.forces[:, 1] == pytest.approx([402.1, 614.7, 1073.0], rel=4e-4)
+    delays = 1e6 * np.diff(column.times, axis=1)[:, 0]
+    assert delays == pytest.approx([207.0, 195.8, 181.8], abs=0.25)
+    with ignore_warnings():
+        largest = hc.simulate(column.chain).wall_force().peak
+    assert largest > 1.02 * column.forces[0, 1]
+    # Times of contacts that follow Hertz's law have the exponent -0.2.
+    assert answers.fitted_exponents(column, delays[:, None])[0] == pytest.approx(-0.16, abs=0.01)
+
+
+def test_a_column_under_gravity_has_no_gaps(column):
+    table = answers.causes(column)
+    assert [row[0] for row in table.rows] == ["with restitution 0.95", "with restitution 0.9"]
+    (note,) = table.notes
+    assert "effect of gaps is not computed: the balls rest on each other" in note
+    for page in (column.to_html(), column.to_markdown()):
+        assert note in page
+        assert "gaps between" not in page.split("For the teacher")[0]
+        assert "Gaps delay the pulse" not in page
+
+
+def test_a_change_that_cannot_be_simulated_is_named(column, monkeypatch):
+    def fail():
+        raise hc.InputError("no such chain")
+
+    monkeypatch.setattr(answers, "_changes", lambda _: {"without losses": fail})
+    expected = "The effect without losses is not computed: no such chain."
+    assert expected in answers.causes(column).notes
+    assert expected in column.to_markdown()
+
+
+def test_a_column_is_drawn_from_top_to_bottom(column):
+    page = column.to_html()
+    (figure,) = re.findall(r'<svg class="column".*?</svg>', page, re.DOTALL)
+    assert "matrix(0 1 1 0 0 0)" in figure
+    names = re.findall(r'<text x="([\d.]+)" y="([\d.]+)">([^<]*)<', figure)
+    assert [name for *_, name in names] == ["striker", "ball 6", "load cell"]
+    assert len({x for x, *_ in names}) == 1
+    heights = [float(y) for _, y, _ in names]
+    assert heights == sorted(heights)
+    assert len(re.findall("<circle", figure)) == 12
+    assert "Below the column is a load cell" in page
+    assert "fall onto the column from the heights" in page
+
+
+def test_the_command_advises_its_own_options(run, tmp_path):
+    target = tmp_path / "sheet.html"
+    done = run("sheet", "--material", "steel-52100", "--diameter", "19.05 mm", "--beads", 4,
+               "--striker", "0.5 kg, flat", "--wall", "same", "--height", "20mm", "--height",
+               "50mm", "--to", target)  # fmt: skip
+    assert "add --loss elastic-plastic" in done.stderr
+    assert "ElasticPlastic" not in done.stderr + target.read_text()
+
+
 @pytest.mark.parametrize(
     ("chain", "sensors", "said"),
     [(CELL, ["ball 6", "wall"], "The row has 12 balls of steel-52100 with a diameter of 16 mm and "
@@ -261,7 +329,7 @@ def test_exponents_are_raised(sheet):
       "Behind the row is a wall of glass. The force on the wall is measured."),
      (ROW.replace(loss=hc.Restitution(0.9), gaps=1e-5).with_cap("5 g"), ["cap"],
       "The last body is a cap of 5 g. The predictions include gaps of up to 10 µm and losses in "
-      "the contacts. A force sensor is in the cap."),
+      "the contacts (restitution 0.9). A force sensor is in the cap."),
      (hc.Chain.from_materials(diameters=["16 mm", "12 mm"], materials=["steel-52100", "glass"]),
       ["ball 2"], "The row has 2 balls of steel-52100 and glass (16 mm to 12 mm) with masses "
       "between ")],

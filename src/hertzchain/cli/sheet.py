@@ -20,6 +20,7 @@ from .options import (
     until_option,
 )
 from .output import show_json
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..sheets.sheet import LabSheet
@@ -86,6 +87,7 @@ def sheet(
         heights=values if falls else None, speeds=None if falls else values, blank=blank,
         until=time_from("--until", until, chain), **({} if title is None else {"title": title}),
     )  # fmt: skip
+    found = replace(found, warnings=tuple(map(on_command_line, found.warnings)))
     if target is not None:
         found.save(target)
     if as_json:

@@ -11,7 +11,7 @@ from ..collision import Array
 from ..kernels.wall_rule import HELD, MAX_REBOUNDS, ROUNDING, has_released, longest_watch
 from ..simulation.body_bound import body_bound
 from ..simulation.time_scales import impact_momentum, rebound_time
-from ..simulation.wall_bound import LEFT, RIGHT, motion_can_escape, wall_targets
+from ..simulation.wall_bound import LEFT, RIGHT, Target, motion_can_escape, wall_targets
 from .equation import Equation
 from .names import Name
 from .record import Record, nothing_can_happen
@@ -146,6 +146,7 @@ class Ending:
     def _watch_wall(self, record: Record, side: int) -> bool:
         """Update the state of a wall's peak by the new blocks; whether it is complete."""
         equation, c = self.equation, -1 if side == RIGHT else 0
+        target = self._target(side)
         for block in record.blocks[self.watched :]:
             times = block.start + np.cumsum(block.lengths) - block.lengths
             stages = equation.kept_forces(block.kept, c)
@@ -159,11 +160,14 @@ class Ending:
             some = slice(None, None, SAMPLE)
             bounds = bound_of(equation, block.positions[some], block.velocities[some], side)
             static = float(equation.chain.static_state.forces[c])
-            complete = (top[some] > 0.0) & (bounds <= (1.0 + ROUNDING) * top[some])
+            low = bounds <= (1.0 + ROUNDING) * top[some]
+            low |= self._rebounded(block.positions[some], block.velocities[some], side)
+            complete = (top[some] > 0.0) & low
             ends = self._last_ends(side, times, stages[:, 0] > 0.0)[some]
             rows = zip(times[some], complete, stages[some, 0], top[some], ends, strict=True)
             for time, below, force, peak, end in rows:
-                if not below:
+                # The impact remains over while beads fall back, as in `simulate`.
+                if not below and not (target.may_rebound and self._held(side, float(time))):
                     self.bounded.pop(side, None)
                     self.since.pop(side, None)
                 elif end > self.bounded.setdefault(side, float(time)):
@@ -172,13 +176,34 @@ class Ending:
                     self.since.setdefault(side, float(time))
         if self.exhausted:
             self.since.setdefault(side, record.time)
-        transit = self.peak_times.get(side, 0.0)
-        held = side in self.since and record.time - self.since[side] >= HELD * transit
+        transit, held = self.peak_times.get(side, 0.0), self._held(side, record.time)
         last = transit + longest_watch(
             transit, self._rebounds(side), motion_can_escape(self.equation.chain, side)
         )
         expired = transit > 0.0 and record.time > last
         return expired or (held and self._proven(record, side))
+
+    def _target(self, side: int) -> Target:
+        return next(each for each in wall_targets(self.equation.chain) if each.side == side)
+
+    def _held(self, side: int, time: float) -> bool:
+        """Whether half a transit has passed since the end of the impact on a wall."""
+        enough = HELD * self.peak_times.get(side, 0.0)
+        return side in self.since and time - self.since[side] >= enough
+
+    def _stored(self, overlaps: Array) -> Array:
+        p = self.equation.exponents
+        stored = self.equation.stiffness * np.maximum(overlaps, 0.0) ** (p + 1.0) / (p + 1.0)
+        return np.asarray(stored)
+
+    def _rebounded(self, positions: Array, velocities: Array, side: int) -> Array:
+        """Whether the first beads have rebounded under gravity, at several times."""
+        target = self._target(side)
+        if not target.may_rebound:
+            return np.zeros(len(positions), bool)
+        overlaps = self.equation.overlaps_at(positions)
+        rows = zip(overlaps, self._stored(overlaps), velocities, strict=True)
+        return np.array([target.rebounded(*row) for row in rows], bool)
 
     def _last_ends(self, side: int, times: Array, pressed: Array) -> Array:
         """End of the last contact with a wall before the start of each step; 0 before the first."""
@@ -200,11 +225,9 @@ class Ending:
         equation = self.equation
         if not motion_can_escape(equation.chain, side):
             return True
-        target = next(each for each in wall_targets(equation.chain) if each.side == side)
         overlaps = equation.overlaps_at(record.positions)
-        p = equation.exponents
-        stored = equation.stiffness * np.maximum(overlaps, 0.0) ** (p + 1.0) / (p + 1.0)
-        reach = target.reach(overlaps, stored, record.velocities)
+        stored = self._stored(overlaps)
+        reach = self._target(side).reach(overlaps, stored, record.velocities)
         return reach.bound <= (1.0 + ROUNDING) * self.peaks.get(side, 0.0)
 
     def complete(self, record: Record, side: int, until: float | None) -> bool:

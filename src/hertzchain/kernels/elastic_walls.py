@@ -36,7 +36,7 @@ from .elastic_layout import (
     WORK,
     V,
 )
-from .wall_rule import CHECKS, HELD, ROUNDING
+from .wall_rule import CHECKS, HELD, REST, ROUNDING
 
 longest_watch, has_released = compiled(wall_rule.longest_watch), compiled(wall_rule.has_released)
 time_between_checks = compiled(wall_rule.time_between_checks)
@@ -62,6 +62,37 @@ def bound_of(w, beads, lane, chain):
     p, k = w[EXPONENT + at], w[STIFFNESS + at]
     depth = ((p + 1.0) * energy / k) ** (1.0 / (p + 1.0)) + chain[STATIC_OVERLAP, beads]
     return k * depth**p
+
+
+@compiled
+def may_rebound(w, lane, chain):
+    """Whether nothing but gravity pushes beads towards the wall, and the other end is free."""
+    fall = w[BODY + lane] / w[INVERSE_MASS + lane]
+    carried = chain[STATIC_FORCE, 1]
+    return fall > 0.0 and w[STIFFNESS + lane] == 0.0 and carried <= (1.0 + ROUNDING) * fall
+
+
+@compiled
+def has_rebounded(w, beads, lane, chain):
+    """`hertzchain.simulation.rebounds`: the first beads fly away, and the others are slow."""
+    if not may_rebound(w, lane, chain):
+        return False
+    count, flying, total, rest = 0, True, 0.0, 0.0
+    for k in range(1, beads + 1):
+        bead, at = (k - 1) * LANES + lane, k * LANES + lane
+        d, v = overlap_of(w, at), w[V + at]
+        flying = flying and v < 0.0 and d <= 0.0
+        if flying:
+            count = k
+        there = w[STIFFNESS + at] > 0.0
+        apart = max(0.0, -d) if there else 0.0
+        stored = force_of(w, at, d) * d / (w[EXPONENT + at] + 1.0) if there and d > 0.0 else 0.0
+        kinetic = 0.5 * v * v / w[INVERSE_MASS + bead]
+        total += kinetic + stored + chain[STATIC_FORCE, k] * apart
+        if not flying:
+            weight = max(0.0, chain[STATIC_FORCE, k] - chain[STATIC_FORCE, count])
+            rest += stored + weight * apart + (kinetic if v > 0.0 else 0.0)
+    return count > 0 and rest <= (1.0 + ROUNDING) * REST * total
 
 
 @compiled
@@ -226,10 +257,20 @@ def check_wall(w, beads, lane, chain, state, peak, impulse):
     set_due(lane, state, CHECKS)
     if nothing_can_happen(w, beads, lane):
         close(lane, state, impulse)
-    elif peak == 0.0 or bound_of(w, beads, lane, chain) > (1.0 + ROUNDING) * peak:
+    elif peak == 0.0 or not is_over(w, beads, lane, chain, state, peak):
         forget(lane, state)
     else:
         note_if_released(w, beads, lane, chain, state, peak, impulse)
+
+
+@compiled
+def is_over(w, beads, lane, chain, state, peak):
+    """Whether the present motion towards the wall is not expected to exceed a peak."""
+    if bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak:
+        return True
+    return has_rebounded(w, beads, lane, chain) or (
+        may_rebound(w, lane, chain) and held(lane, state)
+    )
 
 
 @compiled
@@ -249,7 +290,7 @@ def note_end(w, beads, lane, chain, state, peak, impulse):
     """Record at the end of the run that the impact has ended after the last check."""
     if peak == 0.0 or state[TRANSIT, lane] == 0.0:
         return
-    if bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak:
+    if is_over(w, beads, lane, chain, state, peak):
         note_if_released(w, beads, lane, chain, state, peak, impulse)
 
 
@@ -258,7 +299,10 @@ def complete(w, beads, lane, chain, can_escape, state, peak):
     """Whether the largest force so far is complete."""
     if can_escape:
         return peak > 0.0 and cannot_be_exceeded(w, beads, lane, peak)
-    return held(lane, state) and bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak
+    if not held(lane, state):
+        return False
+    low = bound_of(w, beads, lane, chain) <= (1.0 + ROUNDING) * peak
+    return low or may_rebound(w, lane, chain)
 
 
 @compiled

@@ -14,6 +14,9 @@ MAX_TRANSITS, MAX_REBOUNDS, TRANSIT_LIMIT = 10, 2.0, 500
 # Relative rounding of the bound; fraction of the peak to which the force of a contact that carries
 # a static force, and therefore need not open, falls when it releases the wall.
 ROUNDING, RELEASED = 1e-9, 1e-3
+# Fraction of the energy that a row may keep after the rebound of its first beads under gravity
+# (`hertzchain.simulation.rebounds`).
+REST = 0.05
 
 
 def longest_watch(transit: float, rebounds: float, can_escape: bool) -> float:

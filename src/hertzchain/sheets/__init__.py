@@ -1,6 +1,6 @@
 """Laboratory sheets of a chain: predictions, columns for readings, tasks and answers.
 
-- `sheet`: the sheet and its simulations;
+- `sheet`: the sheet and its simulations; `first_pulse`: the first pulse on a wall;
 - `similarity`: whether forces are a power of the speed;
 - `row`: the row in words;
 - `losses`: its laws of loss in words;

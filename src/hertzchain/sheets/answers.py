@@ -25,16 +25,21 @@ from .similarity import EXPONENT_OF_FORCES, EXPONENT_OF_TIMES, other_scales
 SEEN: Final = 5e-4
 # Relative error of the height or speed, and causes of differences, in the answers.
 ERROR: Final = 0.05
+NO_GAPS: Final = (
+    "The effect of gaps is not computed: the balls rest on each other, and a static force closes "
+    "the contacts."
+)
 RESTITUTIONS: Final = (0.95, 0.9)
 GAP: Final = 1e-5
 
 
 class Table(NamedTuple):
-    """A table of texts with a caption."""
+    """A table of texts with a caption, and notes below it."""
 
     caption: str
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...] = ()
 
 
 def exponents(sheet: LabSheet) -> Table:
@@ -157,24 +162,28 @@ def on_errors(sheet: LabSheet) -> str:
 
 
 def causes(sheet: LabSheet) -> Table | None:
-    """Forces and delays at the middle speed with other losses and gaps, relative to predictions."""
+    """Forces and delays at the middle speed with other losses and gaps, relative to predictions.
+
+    Notes state why a change is not computed.
+    """
     chain, middle = sheet.chain, len(sheet.speeds) // 2
-    rows = []
+    rows, notes = [], [NO_GAPS] if rests(chain) else []
     for name, changed in _changes(chain).items():
         try:
             with ignore_warnings():
                 found = lab_sheet(changed(), sensors=sheet.places, speeds=sheet.speeds[middle - 1 :
                                   middle + 1].tolist())  # fmt: skip
-        except (InputError, SimulationError):
+        except (InputError, SimulationError) as error:
+            notes.append(f"The effect {name} is not computed: {error}.")
             continue
         ratios = found.forces[-1] / sheet.forces[middle]
         delays = 1e6 * (found.times[-1] - sheet.times[middle])
         rows.append((name, *map(_effect, ratios, delays)))
-    if not rows:
+    if not rows and not notes:
         return None
     caption = (f"Forces at {1e3 * sheet.speeds[middle]:.4g} mm/s, relative to the predictions, and "
                "delays of the largest forces")  # fmt: skip
-    return Table(caption, ("change", *names(sheet)), tuple(rows))
+    return Table(caption, ("change", *names(sheet)), tuple(rows), tuple(notes))
 
 
 def _changes(chain: Chain) -> dict[str, Callable[[], Chain]]:
@@ -185,6 +194,8 @@ def _changes(chain: Chain) -> dict[str, Callable[[], Chain]]:
     }
     if not chain.lossless:
         found = {"without losses": partial(with_one_loss, chain, None)}
+    if rests(chain):
+        return found
     # A gap behind a striker or moving ball only postpones the impact.
     inside = (np.arange(chain.beads - 1) >= chain.strikers) & (chain.velocities[:-1] == 0.0)
     if chain.gaps[inside].any():
@@ -195,6 +206,11 @@ def _changes(chain: Chain) -> dict[str, Callable[[], Chain]]:
     if chain.cap is not None:
         found[f"{name}, and before the cap"] = partial(_with_gaps, chain, inside, GAP)
     return found
+
+
+def rests(chain: Chain) -> bool:
+    """Whether a static force closes the contacts, so that there are no gaps."""
+    return bool(chain.gravity or chain.precompression > 0.0)
 
 
 def _with_gaps(chain: Chain, at: np.ndarray, gap: float) -> Chain:

@@ -16,16 +16,16 @@ from ..representation import listed
 from . import answers
 from .answers import Table
 from .losses import losses_in_words
-from .row import names, row_in_words
+from .row import is_column, names, row_in_words
 from .sheet import LabSheet
 from .sketch import sketch
 
 READINGS: Final = ("reading 1", "reading 2", "mean")
 ON_RATIOS: Final = (
     "A wrong sensitivity changes the ratio of one sensor by the same factor at all speeds. A loss "
-    "lowers forces more, the farther the sensor is from the impact. Gaps delay the pulse, most at "
-    "small speeds, and can lower or raise the forces."
+    "lowers forces more, the farther the sensor is from the impact."
 )
+ON_GAPS: Final = " Gaps delay the pulse, most at small speeds, and can lower or raise the forces."
 
 
 def html(sheet: LabSheet) -> str:
@@ -58,11 +58,12 @@ def _context(sheet: LabSheet) -> dict[str, Any]:
     tables = [answers.exponents(sheet), answers.travel(sheet), answers.causes(sheet)]
     return {
         "title": sheet.title, "row": row_in_words(sheet), "how": _how(sheet),
-        "sketch": Markup(sketch(sheet)),
+        "sketch": Markup(sketch(sheet)), "column": is_column(sheet.chain),
         "table": _table(sheet, predicted=not sheet.blank, readings=READINGS),
         "tasks": _tasks(sheet), "description": _description(sheet.chain),
         "predictions": [_table(sheet, predicted=True, readings=())] if sheet.blank else [],
-        "answers": [answers.on_exponents(sheet), answers.on_travel(sheet), ON_RATIOS,
+        "answers": [answers.on_exponents(sheet), answers.on_travel(sheet),
+                    ON_RATIOS + ON_GAPS * (not answers.rests(sheet.chain)),
                     answers.on_errors(sheet)],
         "answer_tables": [each for each in tables if each is not None],
         "warnings": sheet.warnings,
@@ -79,6 +80,10 @@ def _description(chain: Chain) -> str:
 
 def _how(sheet: LabSheet) -> str:
     striker = "striker" if sheet.chain.strikers else "first ball"
+    if is_column(sheet.chain) and sheet.heights is not None:
+        return (f"Let the {striker} fall onto the column from the heights h of the table, so that "
+                "it arrives at the speed v with v² = 2gh. A rebound may strike the column again: "
+                "only the first pulse counts.")  # fmt: skip
     if sheet.heights is None:
         return f"Let the {striker} hit the row at the speeds v of the table."
     return (f"Let the {striker} fall or swing from the heights h of the "
@@ -129,15 +134,16 @@ def _tasks(sheet: LabSheet) -> list[str]:
     divide = "Divide your means by the predictions."
     if sheet.blank:
         divide = "Ask your teacher for the predictions, and divide your means by them."
+    causes = "the wrong sensitivity of a sensor, a loss in the contacts, or gaps between the balls"
+    if answers.rests(sheet.chain):
+        causes = "the wrong sensitivity of a sensor, or a loss in the contacts,"
     return [
         "Read the largest force of the first pulse in each sensor, twice at each speed, and enter "
         "the means.",
         "Plot the means over the speed on logarithmic axes. What is the slope for each sensor? "
         f"{expected}why?",
         f"Plot {time} in the same way. How does it depend on the speed?{_on_speed(sheet)}",
-        f"{divide} Are the ratios the same at all speeds and sensors? "
-        "What would the wrong sensitivity of a sensor, a loss in the contacts, or gaps between the "
-        "balls change?",
+        f"{divide} Are the ratios the same at all speeds and sensors? What would {causes} change?",
         f"How large is the error of your {error}, and what error of the force results?",
     ]
 

@@ -49,11 +49,20 @@ def is_load_cell(chain: Chain) -> bool:
     return chain.right_wall is not None and float(chain.contact_exponents[-1]) == 1.0
 
 
+def is_column(chain: Chain) -> bool:
+    """Whether the row is vertical, and its first ball is at the top."""
+    return chain.gravity > 0.0
+
+
+def _kind(chain: Chain) -> str:
+    return "column" if is_column(chain) else "row"
+
+
 def _balls(chain: Chain) -> str:
     """Number, diameter, material and mass of the balls of the row."""
     balls = chain._balls
     radii, masses = chain.radii[balls], chain.masses[balls]
-    count = f"The row has {len(radii)} ball{'s' * (len(radii) > 1)}"
+    count = f"The {_kind(chain)} has {len(radii)} ball{'s' * (len(radii) > 1)}"
     if "masses" in chain.given:
         size = f" with {_masses(masses)}"
     elif np.ptp(radii) == 0.0:
@@ -103,6 +112,7 @@ def _striker(chain: Chain) -> str:
 def _end(chain: Chain) -> str:
     """The load cell, wall or free end behind the row, and its cap."""
     wall, cap = chain.right_wall, ""
+    behind = "Below the column" if is_column(chain) else "Behind the row"
     if chain.cap is not None:
         cap = mass_in_words(float(chain.masses[-1]))
     if wall is None:
@@ -110,9 +120,9 @@ def _end(chain: Chain) -> str:
     if is_load_cell(chain):
         facts = [f"a stiffness of {_stiffness(wall, chain)}"] if wall.stiffness is not None else []
         facts += [f"a cap of {cap}"] * bool(cap)
-        return f"Behind the row is a load cell{f' with {listed(facts)}' if facts else ''}."
+        return f"{behind} is a load cell{f' with {listed(facts)}' if facts else ''}."
     front = f", with a cap of {cap} in front" if cap else ""
-    return f"Behind the row is {_wall(wall, chain)}{front}."
+    return f"{behind} is {_wall(wall, chain)}{front}."
 
 
 def _wall(wall: Wall, chain: Chain) -> str:
@@ -131,6 +141,8 @@ def _stiffness(wall: Wall, chain: Chain) -> str:
 
 def _conditions(sheet: LabSheet) -> list[str]:
     """Gaps, static forces, losses and pads that the predictions include."""
+    from .losses import losses_in_words
+
     chain = sheet.chain
     inner = chain.contact_exponents[1:-1]
     found = [
@@ -139,7 +151,7 @@ def _conditions(sheet: LabSheet) -> list[str]:
          if len(chain.gaps) else ""),
         (bool((inner == 1.0).any()), "pads"),
         (bool(chain.gravity or chain.precompression > 0.0), "static forces in the contacts"),
-        (not chain.lossless, "losses in the contacts"),
+        (not chain.lossless, f"losses in the contacts ({losses_in_words(chain)})"),
     ]  # fmt: skip
     words = [text.replace(" um", " µm") for present, text in found if present]
     whose = "The teacher's" if sheet.blank else "The"
@@ -158,5 +170,5 @@ def _sensors(sheet: LabSheet) -> str:
         return f"{sensors}."
     wall = "the force on the wall is measured"
     if is_load_cell(chain):
-        wall = "the load cell measures the force at the end of the row"
+        wall = f"the load cell measures the force at the end of the {_kind(chain)}"
     return f"{sensors}, and {wall}." if sensors else f"{wall[0].upper()}{wall[1:]}."

@@ -23,6 +23,7 @@ from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_bool, check_list, file_path, text
+from .first_pulse import first_on_wall
 
 WALL: Final = "wall"
 ENDINGS: Final = (".html", ".md")
@@ -45,8 +46,9 @@ class LabSheet:
     speeds : ndarray, shape (S,)
         Speeds of the impact [m/s].
     forces, times : ndarray, shape (S, K)
-        First maximum of the force in each sensor, or peak on the wall [N], and its time after the
-        impact [s]; NaN if the peak is not complete.
+        First maximum of the force in each sensor or on the wall [N], by the rule of
+        `SensorForce`, and its time after the impact [s]; NaN if there is none.  A later pulse,
+        such as a second one from a heavy striker, may be stronger.
     warnings : tuple of str
         Limits of Hertz's law that are exceeded, each with the speed.
     title : str
@@ -209,7 +211,9 @@ def lab_sheet(
     forces, times = np.zeros((2, len(values), len(places)))
     for j, place in enumerate(places):
         if place == WALL:
-            forces[:, j], times[:, j] = table["wall_peak_force"], table["wall_peak_time"]
+            peaks = zip(chains, table["wall_peak_force"], table["wall_peak_time"], strict=True)
+            found = [first_on_wall(each, float(f), float(t), end) for each, f, t in peaks]
+            forces[:, j], times[:, j] = np.array(found).T
         else:
             k = table.sensors.index(bead_number(chain, place))
             forces[:, j] = table["sensor_first_maximum"][:, k]

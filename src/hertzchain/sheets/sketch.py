@@ -10,7 +10,7 @@ import numpy as np
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, half_widths
-from .row import place_in_words
+from .row import is_column, place_in_words
 from .sheet import WALL, LabSheet
 
 # Sizes in units of the SVG figure, which is as wide as the page.
@@ -19,15 +19,19 @@ LARGEST_RADIUS: Final = 20.0
 TEXT: Final = 13.0
 # Room for the arrow of the striker on the left, and for the wall and its name on the right.
 LEFT, RIGHT, WALL_WIDTH = 34.0, 40.0, 12.0
+# Length of a column with its margins, and width of the names beside it.
+COLUMN, NAMES = 330.0, 80.0
 # Longer rows would be a line.
 MAX_BODIES: Final = 120
 
 
 def sketch(sheet: LabSheet) -> str:
-    """The row as an SVG figure; empty for a row that is too long."""
+    """The row as an SVG figure, a column from top to bottom; empty for a row that is too long."""
     chain = sheet.chain
     if chain.beads > MAX_BODIES:
         return ""
+    if is_column(chain):
+        return _column(sheet)
     places, widths, heights = body_centres(chain), half_widths(chain), half_heights(chain)
     length = float(places[-1] + widths[-1])
     scale = min((WIDTH - LEFT - RIGHT) / length, LARGEST_RADIUS / float(heights.max()))
@@ -42,13 +46,40 @@ def sketch(sheet: LabSheet) -> str:
         *(_text(name, x, middle + (tall + TEXT + 1.0 if i % 2 == 0 else -tall - 5.0))
           for i, (x, name) in enumerate(names)),
     ])  # fmt: skip
-    height = middle + tall + TEXT + 6.0
-    words = f"The row with {chain.strikers or 'no'} striker{'s' * (chain.strikers != 1)}; sensors: "
-    title = escape(words + ", ".join(place_in_words(chain, place) for place in sheet.places))
+    return _figure(sheet, "row", WIDTH, middle + tall + TEXT + 6.0, content)
+
+
+def _figure(sheet: LabSheet, kind: str, width: float, height: float, content: str) -> str:
+    """A figure with its title."""
+    chain = sheet.chain
+    words = f"The {kind} with {chain.strikers or 'no'} striker{'s' * (chain.strikers != 1)}; "
+    places = ", ".join(place_in_words(chain, place) for place in sheet.places)
     return (
-        f'<svg class="row" viewBox="0 0 {WIDTH:g} {height:.1f}" role="img" font-size="{TEXT:g}">'
-        f"<title>{title}</title>{content}</svg>"
+        f'<svg class="{kind}" viewBox="0 0 {width:g} {height:.1f}" role="img" '
+        f'font-size="{TEXT:g}"><title>{escape(f"{words}sensors: {places}")}</title>{content}</svg>'
     )
+
+
+def _column(sheet: LabSheet) -> str:
+    """A column that is struck from above: the row turned by 90 degrees, with names beside it."""
+    chain = sheet.chain
+    places, widths, heights = body_centres(chain), half_widths(chain), half_heights(chain)
+    length = float(places[-1] + widths[-1])
+    scale = min((COLUMN - LEFT - RIGHT) / length, LARGEST_RADIUS / float(heights.max()))
+    centres, tall, end = LEFT + scale * places, scale * float(heights.max()), LEFT + scale * length
+    # The axis of the row is turned to x = 0, and its beginning to the top.
+    drawn = "".join([
+        _arrow(chain, centres, scale * widths, 0.0),
+        _bodies(sheet, centres, (scale * widths, scale * heights), 0.0),
+        _wall(chain, end, tall, 0.0),
+    ])  # fmt: skip
+    axis = tall + 6.0
+    names = "".join(
+        f'<text x="{axis + tall + 6.0:.1f}" y="{y + 0.35 * TEXT:.1f}">{escape(name)}</text>'
+        for y, name in _names(sheet, centres, end)
+    )
+    content = f'<g transform="translate({axis:.1f} 0) matrix(0 1 1 0 0 0)">{drawn}</g>{names}'
+    return _figure(sheet, "column", axis + tall + NAMES, end + WALL_WIDTH + 4.0, content)
 
 
 def _bodies(

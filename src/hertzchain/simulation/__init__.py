@@ -5,7 +5,7 @@
 - state: `state`, `checked_state`;
 - end of a run: `run_end`, `run_message`, `slow_run`;
 - forces on walls: `wall_force`, the rule for a complete peak in `wall_watch`, and its bounds in
-  `wall_bound`, from `momentum_limits`;
+  `wall_bound`, from `momentum_limits`, and `rebounds`;
 - results: `run` and its base classes `trajectory` and `contact_history`, `budget`,
   `largest_overlaps`, `force_table`, `end_forces`, `yielding` with `not_yielded` and `yield_range`,
   `hits`;

@@ -67,6 +67,7 @@ from ..frozen import once
 from ..kernels.law_kinds import DAMPED, UNLOADING
 from .kernel_input import kernel_chain
 from .momentum_limits import Attraction, attraction_of, minorant
+from .rebounds import has_rebounded, may_rebound
 
 if TYPE_CHECKING:
     from ..kernels.forces import GeneralChain
@@ -135,6 +136,7 @@ class Target:
             stored[at] = each.law.stored_energy(overlaps[at], forces[at], each.contacts)
         self.overlaps = self._wall_last(overlaps)
         self.stored = self._wall_last(np.where(self.contacts, stored, 0.0))
+        self.may_rebound = may_rebound(chain, self.towards, held=bool(self.exists[0]))
 
     def _wall_last(self, values: Array) -> Array:
         """Order values, with those at the wall last."""
@@ -179,6 +181,14 @@ class Target:
             energy += self._loading_energy(float(overlaps[-1])) - float(stored[-1])
         energy = max(0.0, energy - locked_energy(self.masses[:-1], momenta[:-1]))
         return Approach(approach.momentum, energy, self._bound(energy))
+
+    def rebounded(self, overlaps: Array, stored: Array, velocities: Array) -> bool:
+        """Whether the first beads have rebounded from the row, and the others are slow."""
+        if not self.may_rebound:
+            return False
+        overlaps, stored = self._wall_last(overlaps), self._wall_last(stored)
+        velocity = self.towards * self._wall_last(velocities)
+        return has_rebounded(self.masses, velocity, overlaps, stored, self.forces, self.exists)
 
     def _loading_energy(self, overlap: float) -> float:
         """Energy that the contact with the wall takes up when it is loaded to an overlap."""

@@ -48,7 +48,10 @@ class WallForce(Compared):
     force exceeds it (`hertzchain.simulation.wall_bound`).  Otherwise it is an estimate: the
     impact has ended, and the motion towards the wall has not been able to exceed the peak for half
     a transit of the pulse since then, but the beads can return, and a later impact may be
-    stronger.  Between two walls the pulse returns repeatedly, and the peak of a run without
+    stronger.  Under gravity towards the wall, it suffices that the first beads have rebounded from
+    the row, in which at most 5% of the energy remains (`hertzchain.simulation.rebounds`); a peak
+    that is complete remains so while they fall back, until a larger force follows.  Between two
+    walls the pulse returns repeatedly, and the peak of a run without
     ``until`` is usually that of its first passage.  In a precompressed chain without losses,
     contacts do not open, waves may add up at any later time, and the peak usually remains
     incomplete: use ``largest_so_far``.
@@ -305,7 +308,7 @@ def _reason(
     if waiting and chain.drive is not None:
         return _driving(chain.drive, chain)
     if bound > peak:
-        way = "can still reach" if proven else "is still travelling towards"
+        way = "can still reach" if proven else _way(chain)
         joule = measure(1e6 * energy, "uJ") if 0.0 < energy < 1e-3 else measure(energy, "J")
         if chain.units != "SI":
             joule = f"an energy of {energy:.4g}"
@@ -320,6 +323,11 @@ def _reason(
         f"the motion towards the wall has been too weak to exceed it since t = {start}, but must "
         f"be so for half a transit ({half})"
     )
+
+
+def _way(chain: Chain) -> str:
+    """Words after an energy of the present motion; with gravity, it includes that of a fall."""
+    return "moves or can fall towards" if chain.gravity else "is still travelling towards"
 
 
 def _loaded(force: float, chain: Chain) -> str:

@@ -8,7 +8,9 @@ towards the wall cannot exceed the peak (the estimate of the same module).  A co
 static force need not open; its force must fall to 0.1% of the peak, without the static force.
 If motion cannot escape, the peak is complete when the impact has ended and the estimate has not
 exceeded the peak for half a transit since then, where a transit is the time that the pulse took to
-pass the chain.  This rule is empirical, and it starts again if a larger force follows.
+pass the chain.  Under gravity towards the wall, it suffices that the first beads have rebounded
+from the row (`hertzchain.simulation.rebounds`), and a peak that is complete remains so while they
+fall back.  These rules are empirical, and they start again if a larger force follows.
 
 Without a given end, a run continues until the peak is complete and half a transit has passed since
 the end of the impact, or until `WallWatch.last`: ten transits, or 20 if motion can escape, or, if
@@ -190,7 +192,7 @@ class WallWatch:
         for target in self.targets:
             side = target.side
             peak = float(self.walls[state_layout.WALL_PEAK, side])
-            if peak == 0.0 or not self.bounded(side, self.approach(target, overlaps, stored)):
+            if peak == 0.0 or not self.over(target, overlaps, stored):
                 self.completion[state_layout.BOUNDED :, side] = 0.0
             else:
                 self._note_if_released(target, forces)
@@ -216,6 +218,14 @@ class WallWatch:
         """Whether the motion towards a wall cannot exceed the peak so far."""
         peak = float(self.walls[state_layout.WALL_PEAK, side])
         return approach.bound <= (1.0 + ROUNDING) * peak
+
+    def over(self, target: Target, overlaps: Array, stored: Array) -> bool:
+        """Whether the present motion towards a wall is not expected to exceed the peak so far."""
+        return (
+            self.bounded(target.side, self.approach(target, overlaps, stored))
+            or target.rebounded(overlaps, stored, self._velocities)
+            or (target.may_rebound and self.held(target.side))
+        )
 
     def _note(self, side: int) -> None:
         """Record that the impact on a wall has ended, unless it had before."""
@@ -282,7 +292,8 @@ class WallWatch:
     def complete(self, target: Target, reach: Approach) -> bool:
         """Whether the peak on a wall is complete, given the motion that can reach it."""
         if not target.can_escape:
-            return self.held(target.side) and self.bounded(target.side, reach)
+            low = target.may_rebound or self.bounded(target.side, reach)
+            return self.held(target.side) and low
         known = self.closed or float(self.walls[state_layout.WALL_PEAK, target.side]) > 0.0
         return known and not self.driven and self.bounded(target.side, reach)
 
@@ -295,8 +306,7 @@ class WallWatch:
         for target in self.targets:
             side = target.side
             hit = self.started and self.walls[state_layout.WALL_PEAK, side] > 0.0
-            bounded = self.bounded(side, self.approach(target, overlaps, stored))
-            if hit and bounded:
+            if hit and self.over(target, overlaps, stored):
                 self._note_if_released(target, forces)
             found.append(self.reach(target, overlaps, stored))
         return found

@@ -60,6 +60,13 @@ def test_small_beads_may_be_of_one_size_and_another_material():
     assert large.decorated(0.3).materials[1].name == "brass"
 
 
+@pytest.mark.parametrize("kind", ["scaled", "SI"])
+def test_the_diameter_of_small_beads_is_twice_their_radius(kind):
+    large, size = (Chain.uniform(4), 0.8) if kind == "scaled" else (BALLS, "8 mm")
+    half = 0.4 if kind == "scaled" else "4 mm"
+    assert large.decorated(diameter=size) == large.decorated(radius=half)
+
+
 def test_what_the_chain_stands_between_stays():
     chain = Chain.uniform(4).replace(right_wall=hc.Wall(), loss=hc.Restitution(0.9))
     assert chain.decorated(0.3).right_wall == hc.Wall()
@@ -200,11 +207,17 @@ BALLS = Chain.from_materials(5e-3, "brass", beads=3)
             lambda: Chain.periodic([1.0, 0.5], cells=2, materials=["brass"]),
             "the cell has 2 beads, but 1 materials",
         ),
-        (lambda: Chain.uniform(3).decorated(), "ratio of the small beads .* or a radius"),
+        (lambda: Chain.uniform(3).decorated(), "ratio of the small beads .* a radius or a diam"),
         (
             lambda: Chain.uniform(3).decorated(0.3, radius=0.3),
-            "ratio of the small beads .* or a radius",
+            "ratio of the small beads .* a radius or a diameter",
         ),
+        (lambda: Chain.uniform(3).decorated(radius=0.3, diameter=0.6), "one of these: the ratio"),
+        (lambda: Chain.uniform(3).decorated(diameter=2.5), "have a diameter of 2.5, .* bead, 2;"),
+        (lambda: BALLS.decorated(radius="12 mm"), "radius of 12 mm, .* bead, 5 mm; use a"),
+        (lambda: BALLS.decorated(radius=4), "radius of 4 m, .*; if millimetres .* write '4 mm'"),
+        (lambda: BALLS.decorated(diameter=8), "diameter of 8 m, .* 10 mm; .* write '8 mm'"),
+        (lambda: BALLS.decorated(diameter="8 kg"), "diameter of the small beads must have a unit"),
         (lambda: Chain.uniform(3).decorated(1.0), "beads 1 and 2 have a radius of 1,"),
         (lambda: Chain.from_radii([1, 0.1, 1]).decorated(0.5), "radius of 0.158114, .* bead, 0.1;"),
         (lambda: Chain.uniform(3).decorated(0.3, between=0), "between must be .* got 0"),

@@ -90,6 +90,11 @@ def test_a_toml_file_is_not_a_table_of_beads(row, tmp_path):
             Chain.uniform(4).decorated(0.3, between=2),
         ),
         (
+            'diameter = "20 mm"\nbeads = 4\nmaterials = "brass"\n[chain.decorated]\n'
+            'diameter = "8 mm"',
+            Chain.from_materials(10e-3, "brass", beads=4).decorated(radius=4e-3),
+        ),
+        (
             'taper = "uniform"\nbeads = 9\n[[chain.with_defects]]\nbead = 3\nradius = 0.5\n'
             "[[chain.with_defects]]\nbead = 7\nradius = 2\n[chain.with_scatter]\nseed = 4\n"
             "relative = 0.1",

@@ -138,7 +138,7 @@ def with_key(section, variant, key, value):
     if variant == "table":
         table = {"times": [0.0, 1.0], "values": [0.0, 1.0]}
     table[key.name] = [value, value] if key.per else value
-    if section.name == "chain.decorated" and key.name == "radius":
+    if section.name == "chain.decorated" and key.name in ("radius", "diameter"):
         del table["ratio"]
     if section.variant_key:
         table[section.variant_key] = variant

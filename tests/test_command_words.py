@@ -321,6 +321,18 @@ def test_reached_at_sensors_and_walls():
     assert "the pulse has not arrived" in repr(sensor)
 
 
+def test_forces_in_front_of_a_pulse_are_neither_contacts_nor_impulses():
+    """The force in front of the pulse decays double exponentially, here to 1e-150 N."""
+    balls = hc.Chain.from_materials(10e-3, "steel-52100", beads=20, velocity=0.1)
+    chain = balls.decorated(diameter="8 mm").replace(right_wall=hc.Wall())
+    wall = hc.simulate(chain, until="1.17 ms", times=10).wall_force()
+    assert 0.0 < wall.largest_so_far < 1e-100
+    assert (wall.reached, wall.touches, wall.impulse) == (False, 0, 0.0)
+    assert "the pulse has not arrived" in repr(wall)
+    assert "contact with the wall" not in repr(wall)
+    assert hc.simulate(chain, until="1.8 ms", times=10).wall_force().touches == 1
+
+
 def test_contacts_of_a_collision_of_two_balls(run):
     """Hertz: d = (5 m v^2 / (4 k))^(2/5) with m = M/2, p_0 = 2 E* sqrt(d/R) / pi, R = r/2."""
     balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "2", "--speed",

@@ -245,6 +245,7 @@ def public_calls(folder):
         "Chain.dimer": tried(Chain.dimer, mass_ratio=0.5, beads=5, exponent=1.5),
         "Chain.decorated": tried(chain.decorated, ratio=0.3, between=1, material=None),
         "Chain.decorated, by radius": tried(chain.decorated, radius=0.3),
+        "Chain.decorated, by diameter": tried(chain.decorated, diameter=0.6),
         "Chain.decorated, of a material": tried(balls.decorated, ratio=0.3, material="brass"),
         "Chain.with_defects": tried(
             chain.with_defects, radii={3: 0.5}, diameters=None, material=None

@@ -123,3 +123,20 @@ def test_a_logarithmic_axis_has_labels_in_one_notation(limits, shown):
     assert found[: len(shown)] == shown
     assert len({"10^" in text for text in found}) == 1
     plt.close(figure)
+
+
+@pytest.mark.parametrize("name", ["radius", "diameter"])
+def test_an_axis_of_sizes_of_small_beads_has_their_name(name):
+    found = hc.sweep({
+        "chain": {"diameter": "20 mm", "materials": "brass", "beads": 3, "velocity": "1 mm/s"},
+        "axes": {f"decorated.{name}": ["2 mm", "4 mm"]},
+        "sweep": {"methods": ["propagate"], "keep": ["velocity"]},
+    })  # fmt: skip
+    assert axis_label(found[name]) == f"{name} of the small beads [mm]"
+    half = 0.5 if name == "diameter" else 1.0
+    chain = hc.Chain.from_materials(10e-3, "brass", beads=3, velocity=1e-3)
+    expected = hc.propagate(chain.decorated(radius=half * 4e-3)).velocity[-1]
+    # Sweeps store single values of the last bead with full precision.
+    assert found.velocity.sel(approach="propagate").values[1, -1] == pytest.approx(
+        expected, rel=1e-12
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Iterator, Mapping
-from typing import Any, Final, TypeVar
+from typing import Any, Final, NoReturn, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from ..collision import Array
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import FRACTION, number, per_bead_array, whole_number
+from .description import length_in_words
 from .fields import ChainFields
 from .input_checks import checked_beads
 from .laws import Loss
@@ -40,6 +41,7 @@ def decorated(
     ratio: float | None = None,
     *,
     radius: float | None = None,
+    diameter: float | None = None,
     between: int = 1,
     material: MaterialLike | None = None,
 ) -> C:
@@ -51,6 +53,8 @@ def decorated(
         Radius of the small beads over the geometric mean of their two large neighbours.
     radius : float, optional
         Radius of all small beads, instead of a ratio [scaled, or m].
+    diameter : float, optional
+        Their diameter, instead of the radius, such as ``"8 mm"``.
     between : int
         Number of small beads between two large ones.
     material : str or Material, optional
@@ -60,9 +64,10 @@ def decorated(
     Raises
     ------
     InputError
-        If the small beads are not smaller than the large ones, or if masses, stiffness,
-        gaps, velocities, exponents or losses are set per bead or contact, or there are strikers
-        or a cap: modify the beads first.
+        If there are several of ``ratio``, ``radius`` and ``diameter`` or none, if the small beads
+        are not smaller than the large ones, or if masses, stiffness, gaps, velocities, exponents
+        or losses are set per bead or contact, or there are strikers or a cap: modify the beads
+        first.
 
     Examples
     --------
@@ -71,10 +76,11 @@ def decorated(
     array([1. , 0.3, 1. , 0.3, 1. ])
     >>> hc.Chain.tapered("forward-linear", 0.25, beads=3).decorated(radius=0.2, between=2).beads
     7
+    >>> balls = hc.Chain.from_materials(diameters="20 mm", materials="brass", beads=3)
+    >>> balls.decorated(diameter="8 mm")
+    Chain(5 brass beads, diameters 20 mm and 8 mm in turn, impact at 1 m/s)
     """
-    if radius is not None:
-        radius = number("radius of the small beads", radius, unit=self._unit("m"), above=0.0)
-    row = _insert_radii(self.radii, ratio=ratio, radius=radius, between=between)
+    row = _decorated_radii(self, ratio=ratio, radius=radius, diameter=diameter, between=between)
     kinds = None
     if self.materials is not None:
         cells = [
@@ -315,30 +321,60 @@ def _with_beads(chain: C, radii: Array, materials: tuple[Material, ...] | None) 
     return chain.replace(**changes)
 
 
-def _insert_radii(
-    radii: Array, *, ratio: float | None, radius: float | None, between: int
+def _decorated_radii(
+    chain: ChainFields,
+    *,
+    ratio: float | None,
+    radius: float | None,
+    diameter: float | None,
+    between: int,
 ) -> Array:
-    """Insert small radii between the given ones."""
-    if (ratio is None) == (radius is None):
-        raise InputError("give either the ratio of the small beads to their neighbours or a radius")
+    """Radii of a chain with small beads inserted, whose size is checked."""
+    if sum(each is not None for each in (ratio, radius, diameter)) != 1:
+        raise InputError(
+            "give one of these: the ratio of the small beads to their neighbours, a radius or a "
+            "diameter"
+        )
     between = whole_number("between", between, least=1)
+    radii = chain.radii
     checked_beads(len(radii) + between * (len(radii) - 1))
     left, right = radii[:-1], radii[1:]
     if ratio is not None:
         part = number("ratio of small to large beads", ratio, unit=FRACTION, above=0.0)
         small = part * np.sqrt(left * right)
     else:
-        small = np.full(len(left), radius)
+        small = np.full(len(left), _small_radius(chain, radius, diameter))
     too_large = np.flatnonzero(small >= np.minimum(left, right))
     if len(too_large):
         k = int(too_large[0])
-        raise InputError(
-            f"the small beads between large beads {k + 1} and {k + 2} have a radius of "
-            f"{small[k]:g}, not below that of the smaller large bead, {min(left[k], right[k]):g}; "
-            "use a smaller radius, or Chain.from_radii for arbitrary radii"
-        )
+        _reject_large(chain, k, float(small[k]), radius, diameter)
     large = np.arange(len(radii)) * (between + 1)
     row = np.empty(large[-1] + 1)
     row[large] = radii
     row[np.delete(np.arange(len(row)), large)] = np.repeat(small, between)
     return row
+
+
+def _small_radius(chain: ChainFields, radius: object, diameter: object) -> float:
+    """Radius of all small beads, from a radius or a diameter."""
+    what, size, part = ("radius", radius, 1.0) if diameter is None else ("diameter", diameter, 0.5)
+    return part * number(f"{what} of the small beads", size, unit=chain._unit("m"), above=0.0)
+
+
+def _reject_large(
+    chain: ChainFields, k: int, small: float, radius: object, diameter: object
+) -> NoReturn:
+    """Reject small beads that are not smaller than their neighbours, in the words of the input."""
+    name, given, times = (
+        ("radius", radius, 1.0) if diameter is None else ("diameter", diameter, 2.0)
+    )
+    sizes = times * small, times * float(min(chain.radii[k : k + 2]))
+    words = length_in_words if chain.units == "SI" else "{:g}".format
+    found, limit = map(words, sizes)
+    advice = f"use a smaller {name}, or Chain.from_radii for arbitrary radii"
+    if chain.units == "SI" and isinstance(given, float | int) and 1e-3 * given < sizes[1]:
+        advice = f"if millimetres are meant, write '{given:g} mm'"
+    raise InputError(
+        f"the small beads between large beads {k + 1} and {k + 2} have a {name} of {found}, not "
+        f"below that of the smaller large bead, {limit}; {advice}"
+    )

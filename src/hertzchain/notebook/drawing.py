@@ -132,6 +132,7 @@ def engineering(value: float, unit: str, units: str = "SI") -> str:
     """A number with four digits; in SI units with its unit and a prefix."""
     if units != "SI":
         return f"{value:.4g}"
+    value, unit = 1e3 ** _kilos(unit) * value, unit.removeprefix("k" * _kilos(unit))
     power = _power_of(abs(value))
     return f"{value / 10.0**power:.4g} {PREFIXES[power]}{unit}"
 
@@ -140,8 +141,14 @@ def axis_unit(values: Array, unit: str, units: str) -> tuple[float, str]:
     """Factor and unit, in brackets, of the values on an axis."""
     if units != "SI":
         return 1.0, ""
-    power = _power_of(float(np.nanmax(np.abs(values), initial=0.0)))
-    return 10.0**-power, f" [{PREFIXES[power]}{unit}]"
+    thousand, unit = 1e3 ** _kilos(unit), unit.removeprefix("k" * _kilos(unit))
+    power = _power_of(thousand * float(np.nanmax(np.abs(values), initial=0.0)))
+    return thousand * 10.0**-power, f" [{PREFIXES[power]}{unit}]"
+
+
+def _kilos(unit: str) -> int:
+    """1 for units of mass, such as kg/s, whose prefixes are those of the gram; otherwise 0."""
+    return int(unit.startswith("kg"))
 
 
 def _power_of(size: float) -> int:

@@ -101,7 +101,8 @@ class WallForce(Compared):
         reach the wall [scaled, or N s and J].
     touches : int
         Number of separate contacts with the wall until ``complete_since``, or so far; later
-        contacts, with smaller forces, are not counted.
+        contacts, with smaller forces, are not counted.  0 if the pulse has not arrived (`reached`):
+        forces far in front of a pulse of Hertz contacts are positive, but can be 1e-300 N.
     impulse_of_impact : float
         Impulse on the wall until ``complete_since``; NaN if this is `None`.  It includes that of
         the static force; see ``excess_impulse``.
@@ -110,8 +111,8 @@ class WallForce(Compared):
         of the momentum are ignored, and by less than 1e-6 with the larger tolerances of
         `simulate_many` and `gradient`.  With a very stiff wall, many short contacts follow.
     impulse : float
-        Impulse of the whole run.  It exceeds that of the impact if further beads arrive later,
-        as in forward tapers.
+        Impulse of the whole run; 0 if the pulse has not arrived.  It exceeds that of the impact if
+        further beads arrive later, as in forward tapers.
     static_force : float
         Force on the wall at rest, of gravity or precompression.
     units : str
@@ -162,8 +163,7 @@ class WallForce(Compared):
     @property
     def reached(self) -> bool:
         """Whether the pulse has arrived: a force of more than 1e-6 of `bound` has acted."""
-        limit = NEGLIGIBLE * self.bound if math.isfinite(self.bound) else 0.0
-        return self.complete or self.largest_so_far > limit
+        return self.complete or _is_reached(self.largest_so_far, self.bound)
 
     @property
     def _contacts(self) -> str:
@@ -201,9 +201,9 @@ class WallForce(Compared):
                 "WallForce", f"{self.side} wall", peak, self._caution, f"{impulse}, {impact}",
                 touches,
             )  # fmt: skip
-        largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
         if not self.reached:
-            largest = "the pulse has not arrived"
+            return short("WallForce", f"{self.side} wall", "the pulse has not arrived", self.reason)
+        largest = f"largest so far {at(self.largest_so_far, self.largest_so_far_time)}"
         return short(
             "WallForce", f"{self.side} wall", "peak not complete", largest, self.reason,
             self._caution, impulse, touches,
@@ -258,6 +258,9 @@ def wall_force_of(
     over = transit == 0.0 and float(completion[state_layout.WATCH_START, i]) > 0.0
     proven = over or motion_can_escape(chain, i)
     ended = done and since > 0.0
+    # The forces in front of a pulse are positive, and can underflow; they are not contacts.
+    reached = done or _is_reached(peak, bound)
+    touches = (completion[state_layout.IMPACT_TOUCHES] if ended else walls[state_layout.TOUCHES])[i]
     reason = ""
     if not done:
         waiting = float(completion[state_layout.WATCH_START, i]) == 0.0
@@ -281,16 +284,19 @@ def wall_force_of(
         bound=bound,
         momentum_on_its_way=momentum,
         energy_on_its_way=energy,
-        touches=int(
-            (completion[state_layout.IMPACT_TOUCHES] if ended else walls[state_layout.TOUCHES])[i]
-        ),
+        touches=int(touches) if reached else 0,
         impulse_of_impact=float(completion[state_layout.IMPACT_IMPULSE, i]) if ended else math.nan,
         first_contact_end=float(walls[state_layout.FIRST_END, i]) if opened else None,
         first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if opened else None,
-        impulse=float(impulses[i]),
+        impulse=float(impulses[i]) if reached else 0.0,
         static_force=float(chain.static_state.forces[0 if side == "left" else -1]),
         units=chain.units,
     )
+
+
+def _is_reached(largest: float, bound: float) -> bool:
+    """Whether a force exceeds 1e-6 of the bound of later forces."""
+    return largest > (NEGLIGIBLE * bound if math.isfinite(bound) else 0.0)
 
 
 def _reason(

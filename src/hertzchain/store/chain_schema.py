@@ -132,6 +132,7 @@ _DECORATED: Final = (
         "ratio", "radius over the geometric mean of the large neighbours", fraction=True, above=0.0
     ),
     _number("radius", "radius, instead of the ratio", "length", above=0.0),
+    _number("diameter", "diameter, instead of the ratio", "length", above=0.0),
     Key("between", "integer", "number of small beads between two large ones", default=1, least=1),
     _MATERIAL,
 )

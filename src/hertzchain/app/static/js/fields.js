@@ -33,7 +33,7 @@ export const button = (text, onclick, more) => make("button", { type: "button", 
 /** @param {string} text */
 export const hint = (text) => make("p", { className: "hint" }, text);
 
-const ALTERNATIVES = [["radius", "diameter"], ["velocity", "height", "energy"]];
+const ALTERNATIVES = [["ratio", "radius", "diameter"], ["velocity", "height", "energy"]];
 
 export class Fields {
   /** @type {Document} */

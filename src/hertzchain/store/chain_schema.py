@@ -27,6 +27,7 @@ from ..chain.tapers import PARAMETERS, TAPERS, parameter_description
 from ..errors import InputError
 from ..units import UNITS
 from ..validation.keywords import FIELD_ALIASES
+from .flat_strikers import with_flat_radius
 from .schema_keys import Key, Kind, Section, section_as_dict
 from .text_forms import with_tables
 
@@ -386,21 +387,8 @@ def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
     names = (FIELD_ALIASES.get(name, name) for name in table)
     chain = with_tables(dict(zip(names, table.values(), strict=True)))
     if isinstance(strikers := chain.get("struck_by"), list):
-        chain["struck_by"] = [_with_flat_radius(each) for each in strikers]
+        chain["struck_by"] = [with_flat_radius(each) for each in strikers]
     return {**document, "chain": chain}
-
-
-def _with_flat_radius(striker: Any) -> Any:
-    """A striker with ``radius = "flat"`` instead of ``flat = true``, as on the command line."""
-    if not isinstance(striker, Mapping) or not isinstance(striker.get("flat"), bool):
-        return striker
-    found = {name: value for name, value in striker.items() if name != "flat"}
-    if not striker["flat"]:
-        return found
-    for name in ("radius", "diameter"):
-        if name in found:
-            raise InputError(f"[[chain.struck_by]] has flat = true and {name}: omit one of them")
-    return {**found, "radius": "flat"}
 
 
 def is_place(word: str) -> bool:

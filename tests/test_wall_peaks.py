@@ -820,6 +820,9 @@ def test_the_impulse_of_an_impact_excludes_that_of_the_static_force(run, tmp_pat
     (tmp_path / "column.toml").write_text(hc.chain_as_toml(column))
     _, out, _ = run("simulate", tmp_path / "column.toml")
     assert f"in the impact above the static force of {weight:.4g} N" in out
+    assert "the end of the impact depends on the steps" in out
+    assert wall.step_dependent
+    assert "(its end depends on the steps)" in " ".join(repr(wall).split())
 
 
 def test_contacts_of_the_impact_are_not_called_those_of_the_run():

@@ -328,7 +328,9 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     ratio = measure(wall.duration, "s", wall.units)
     impulses = ", ".join(parts)
     both = ", both above the static force" if wall.static_force else ""
-    return f"{peak}\n  impulse {impulses}\n  duration of the impact (impulse / peak{both}) {ratio}"
+    end = "; the end of the impact depends on the steps" if wall.step_dependent else ""
+    lasts = f"duration of the impact (impulse / peak{both}) {ratio}{end}"
+    return f"{peak}\n  impulse {impulses}\n  {lasts}"
 
 
 def _at(run: Run, force: float, time: float) -> str:

@@ -150,6 +150,17 @@ class WallForce(Compared):
         return self.impulse_of_impact - self.static_force * self.complete_since
 
     @property
+    def step_dependent(self) -> bool:
+        """Whether the end of the impact depends on the steps of the integration.
+
+        This is so under a static force, where the contact need not open: ``complete_since`` is then
+        known to about 1/16 of the time in which the pulse passes the chain, and
+        ``impulse_of_impact`` and `excess_impulse` to about the impulse of the static force in this
+        time.  If the largest force is ``sensitive``, they may change more.
+        """
+        return self.complete_since is not None and self.static_force != 0.0
+
+    @property
     def duration(self) -> float:
         """Impulse / peak of the impact [scaled, or s]; NaN if it has not ended.
 
@@ -196,6 +207,7 @@ class WallForce(Compared):
             impact = self.reason
             if not impact:
                 above = " above the static force" if self.static_force else ""
+                above += " (its end depends on the steps)" * self.step_dependent
                 impact = f"{measure(self.excess_impulse, 'N s', self.units)} of the impact{above}"
             return short(
                 "WallForce", f"{self.side} wall", peak, self._caution, f"{impulse}, {impact}",

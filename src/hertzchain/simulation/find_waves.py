@@ -168,7 +168,7 @@ def _columns(events: list[WaveEvent]) -> tuple[Array, Array, Array]:
 
 
 def _may_be_lost(run: Trajectory, wave: Wave) -> bool:
-    """Whether a track ends inside the chain, before the end of the run, because of few saved times."""
+    """Whether few saved times end a track inside the chain, before the end of the run."""
     last = wave.events[-1]
     following = last.contact + wave.direction
     inside = 0 < following < run.chain.beads

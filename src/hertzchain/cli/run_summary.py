@@ -328,8 +328,8 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     ratio = measure(wall.duration, "s", wall.units)
     impulses = ", ".join(parts)
     both = ", both above the static force" if wall.static_force else ""
-    end = "; the end of the impact depends on the steps" if wall.step_dependent else ""
-    lasts = f"duration of the impact (impulse / peak{both}) {ratio}{end}"
+    depends = "; the end of the impact depends on the steps" if wall.step_dependent else ""
+    lasts = f"duration of the impact (impulse / peak{both}) {ratio}{depends}"
     return f"{peak}\n  impulse {impulses}\n  {lasts}"
 
 

@@ -751,6 +751,7 @@ def test_relative_derivatives_of_a_homogeneous_chain_are_powers():
     assert "N: derivatives by velocities [N/(m/s)], young [N/Pa]" in " ".join(repr(found).split())
     with pytest.raises(hc.InputError, match=r"such as gradient\['velocities'\], got 0; its value"):
         found[0]
+    assert found._ipython_key_completions_() == [*names]
     with pytest.raises(hc.InputError, match="unknown parameter of this gradient 'gaps'"):
         found.relative("gaps")
 

@@ -105,6 +105,9 @@ class Gradient(Frozen):
             raise unknown_name_error("parameter of this gradient", name, self.gradient)
         return self.gradient[name]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.gradient)
+
     def relative(self, name: str = "radii") -> Array:
         r"""Logarithmic derivatives :math:`\partial \ln Q/\partial \ln x` of the quantity.
 

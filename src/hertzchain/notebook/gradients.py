@@ -47,4 +47,5 @@ def _row(values: Array | None, unit: str, *name: str) -> list[str]:
         return [*name, "none", ""]
     flat = np.atleast_1d(values).ravel()
     k = int(np.nanargmax(np.abs(flat)))
-    return [*name, f"{flat[k]:.4g} {unit}".strip(), f"{k + 1}" if values.ndim == 1 else ""]
+    space = "" if unit in ("", "%") else " "
+    return [*name, f"{flat[k]:.4g}{space}{unit}", f"{k + 1}" if values.ndim == 1 else ""]

@@ -110,6 +110,9 @@ class RunTable(Frozen):
         name = check_choice("quantity of this table", column_name(name), self.columns)
         return self.columns[name]
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.columns)
+
     @property
     def beads(self) -> NDArray[np.int64]:
         """Number of beads of each chain, shape (C,)."""

@@ -52,7 +52,7 @@ MAX_FIXED_STEPS: Final = 10**12
 def simulate(
     chain: Chain,
     *,
-    until: float | None = None,
+    until: float | str | None = None,
     times: int | ArrayLike = 400,
     start: State | None = None,
     rtol: float = DEFAULT_RTOL,
@@ -79,17 +79,17 @@ def simulate(
     ----------
     chain : Chain
         The chain.
-    until : float, optional
-        Stop time [scaled, or s]; by default the last of the given ``times``.  If ``times`` is a
-        number, a chain with a right wall runs until the largest force on the wall is complete and
-        the impact has ended (see `hertzchain.simulation.wall_watch`), at most for ten
-        transits of the pulse, 20 if the left end is free, or, for soft walls and heavy strikers,
-        for the first transit and twice the time in which all beads, as one body, would rebound from
-        the row.  Any other chain runs until the pulse has left, that is, until every bead has
-        passed its first velocity maximum; with a cap behind the row, it continues until no larger
-        force on the cap can follow (`hertzchain.simulation.body_bound`), at most for 50 times as
-        long, and with gravity or precompression, for which there is no such proof, not at all.
-        If the chain falls from rest, transits are counted from the end of the fall.
+    until : float or str, optional
+        Stop time [scaled, or s; also with a unit, ``"2 ms"``]; by default the last of the given
+        ``times``.  If ``times`` is a number, a chain with a right wall runs until the largest force
+        on the wall is complete and the impact has ended (see `hertzchain.simulation.wall_watch`),
+        at most for ten transits of the pulse, 20 if the left end is free, or, for soft walls and
+        heavy strikers, for the first transit and twice the time in which all beads, as one body,
+        would rebound from the row.  Any other chain runs until the pulse has left, that is, until
+        every bead has passed its first velocity maximum; with a cap behind the row, it continues
+        until no larger force on the cap can follow (`hertzchain.simulation.body_bound`), at most
+        for 50 times as long, and with gravity or precompression, for which there is no such proof,
+        not at all.  If the chain falls from rest, transits are counted from the end of the fall.
         Required for a drive without an end.
     times : int or array_like
         Times at which to save the state: increasing numbers >= 0, or the number of evenly spaced

@@ -255,9 +255,7 @@ def local_rate_gradient(
     value : float
         :math:`Q_k` [scaled, or SI], equal to that of `local_rate`.
     gradient : ndarray, shape (N,)
-        Logarithmic derivatives with respect to the radii: change of the quantity in percent if a
-        radius grows by 1%, as ``gradient(...).relative("radii")``.  The derivative itself is
-        ``value * gradient / chain.radii``.
+        Logarithmic derivatives, in percent per 1%, as of ``gradient(...).relative("radii")``.
 
     Raises
     ------

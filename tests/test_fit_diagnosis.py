@@ -428,7 +428,7 @@ def test_another_mass_of_the_balls_with_sensors_is_named(heavier):
 
 @pytest.mark.parametrize("name", ["gap[3-40]", "mass[17]"])
 def test_messages_count_balls_and_cap_separately(name):
-    capped = chain().with_cap("5 g")
+    capped = chain(right_wall=hc.Wall("50 kN/mm", exponent=1)).with_cap("5 g")
     what = "a contact" if "gap" in name else "a ball"
     words = f"{name} is not {what} of this chain, whose balls are 1 to 15, and whose cap is 16"
     with pytest.raises(hc.InputError, match=re.escape(words)):

@@ -11,11 +11,8 @@ import hertzchain as hc
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("wrong", "right", "also"), [
-    ("ball 4", "ball 5", ", or whether a ball is missing between ball 4 and ball 10"),
-    ("ball 11", "ball 10", "counted"),
-])  # fmt: skip
-def test_a_sensor_one_ball_away_is_named(wrong, right, also):
+@pytest.mark.parametrize(("wrong", "right"), [("ball 4", "ball 5"), ("ball 11", "ball 10")])
+def test_a_sensor_one_ball_away_is_named(wrong, right):
     def renamed(columns):
         return {
             f"{wrong} [N]" if name == f"{right} [N]" else name: each
@@ -27,7 +24,8 @@ def test_a_sensor_one_ball_away_is_named(wrong, right, also):
     (advice,) = result.advice
     assert f"with the sensor {wrong!r} in {right} instead, chi2 falls" in advice
     assert "and the model describes the data" in advice
-    assert advice.endswith(also)
+    # Waves that return from the wall exclude a missing ball, which would look like the first case.
+    assert advice.endswith("counted")
 
 
 @pytest.mark.long

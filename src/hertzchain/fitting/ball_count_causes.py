@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
+from ..chain.chain import Chain
 from ..errors import InputError, SimulationError
 from ..traces.places import Place, place_named
 from ..traces.traces import mapped
@@ -37,6 +38,29 @@ def likely_count(result: FitResult, start: Mapping[str, float], refit: Refit) ->
 def other_counts(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """Fits with one ball more and one fewer behind the last sensor in a ball."""
     yield from _fits(_at_end(result.model), start, refit)
+
+
+def count_between(model: Model, behind: Place, step: int) -> Model | None:
+    """The model with one ball more or fewer in front of a sensor, if its chains can have it."""
+    change = next(each for each in CHANGES if each[0] == step)[1]
+    later = {
+        signal.place.name: signal.place for _, signal in model.traces
+        if signal.place.body in ("ball", "bead") and behind.body in ("ball", "bead")
+        and signal.place.number >= behind.number
+    }  # fmt: skip
+    try:
+        return _changed(model, later.values(), step, change)
+    except InputError:
+        return None
+
+
+def _changed(
+    model: Model, later: Iterable[Place], step: int, change: Callable[[Chain], Chain]
+) -> Model:
+    """The model with another number of balls in front of these sensors, which move."""
+    moved = {each.name: _moved(each, step) for each in later}
+    chains = tuple(change(chain) for chain in model.chains)
+    return _with_places(replace(model, chains=chains), moved)
 
 
 def _fits(
@@ -74,12 +98,11 @@ def _other_counts(model: Model) -> Iterator[tuple[str, str, Model]]:
             continue
         for step, change, words in CHANGES:
             try:
-                moved = {each.name: _moved(each, step) for each in later}
-                chains = tuple(change(chain) for chain in model.chains)
-                other = _with_places(replace(model, chains=chains), moved)
+                other = _changed(model, later, step, change)
             except InputError:
                 continue
-            what = f"{words} ({ball_count(chains[0])}), between {before.name} and {later[0].name}"
+            count = ball_count(other.chains[0])
+            what = f"{words} ({count}), between {before.name} and {later[0].name}"
             yield what, f"{COUNT}, and in which of them the sensors are", other
 
 

@@ -58,6 +58,8 @@ class Trial:
 
 def end_gaps(result: FitResult) -> dict[Name, RoughGap]:
     """The rough fits of a gap at the most likely contacts behind the last ball with a sensor."""
+    if len(result.traces.names) < 2:
+        return {}  # a single sensor hardly shows on which side of it a gap is
     last = max(_sensors(result.traces.shots[0], result.chain).values(), default=0)
     names = [
         name for name in gap_names(result.chain)

@@ -7,15 +7,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
-from ..errors import SimulationError
+from ..errors import InputError, SimulationError
+from ..traces.places import Place
+from .ball_count_causes import count_between
 from .causes import Cause, Refit, is_free, try_further
 from .law_parameters import names_of_losses
 from .loss_laws import typical_law
-from .misread_places import best_other_place
+from .misread_places import OtherPlace, best_other_place
 from .names import TIME_OFFSET, Name
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
+from .systematics import PRESENT
 
 # Part of the excess of chi-squared that a cause must remove, and the part that it must remove in
 # the linearised fit to be tried.
@@ -42,28 +45,50 @@ def other_places(result: FitResult, start: Mapping[str, float], refit: Refit) ->
     yield Cause(
         f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
         "check the number in the name of this column, and how balls and strikers are counted"
-        f"{_other_count(found.name, found.place.number, result)}",
+        f"{_other_count(found, result, other, start, refit)}",
         other, 0,
     )  # fmt: skip
 
 
-def _other_count(name: str, number: int, result: FitResult) -> str:
-    """Another cause that looks like another ball of the first or the last sensor."""
+def _other_count(
+    found: OtherPlace, result: FitResult, other: FitResult, start: Mapping[str, float], refit: Refit
+) -> str:
+    """Another cause that looks like another ball of the first or the last sensor.
+
+    Waves that return from the end of the row distinguish both, if the record contains them.
+    """
     places = {each.name: each.place for _, each in result.traces}
     order = sorted(places, key=lambda each: places[each].bead(result.chain))
     # The time offset makes the distance of the first sensor from the impact unimportant.
     if len(order) < 2 or not any(each.key == TIME_OFFSET for each in result.model.names):
         return ""
-    further = number > places[name].number
-    if name == order[0]:
-        missing, first, second = further, name, order[1]
-    elif name == order[-1]:
-        missing, first, second = not further, order[-2], name
+    further = found.place.number > places[found.name].number
+    if found.name == order[0]:
+        missing, first, second = further, *order[:2]
+    elif found.name == order[-1]:
+        missing, first, second = not further, *order[-2:]
     else:
+        return ""
+    if _worse_with_count(result, other, places[second], -1 if missing else 1, start, refit):
         return ""
     what = "a ball is missing" if missing else "there is one ball more"
     first, second = (places[each].name.removesuffix(" velocity") for each in (first, second))
     return f", or whether {what} between {first} and {'the ' * ('wall' in second)}{second}"
+
+
+def _worse_with_count(
+    result: FitResult, other: FitResult, behind: Place, step: int, start: Mapping[str, float],
+    refit: Refit,
+) -> bool:  # fmt: skip
+    """Whether the data exclude one ball more or fewer in front of a sensor."""
+    model = count_between(result.model, behind, step)
+    if model is None:
+        return True
+    try:
+        counted = refit(Problem(model), start, 1)
+    except (InputError, SimulationError):
+        return True
+    return counted.chi2 > other.chi2 + PRESENT
 
 
 def with_effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

@@ -71,6 +71,19 @@ def test_pulse_by_all_methods(run):
     assert run(*walled, "--method", "all", "--method", "bca").returncode == 2
 
 
+def test_the_error_at_a_free_end_is_stated_apart_from_that_of_the_other_beads(run):
+    chain = hertzchain.Chain.tapered("forward-exponential", 0.05, beads=40)
+    exact = hertzchain.propagate(chain).velocity
+    errors = abs(hertzchain.modified_bca(chain).velocity / exact - 1.0)
+    command = ("pulse", "--taper", "forward-exponential", "--rate", 0.05, "--beads", 40,
+               "--method", "propagate")  # fmt: skip
+    _, out, _ = run(*command, "--method", "modified-bca")
+    assert errors[-1] > errors[1:-1].max()
+    stated = f"{100.0 * errors[1:-1].max():.2f}%"
+    assert f"  velocity without the last bead, at the free end: {stated}\n" in out
+    assert "without the last bead" not in run(*command, "--method", "bca", "--beads", 2).stdout
+
+
 def test_hard_spheres(run):
     code, out, err = run("pulse", "--beads", 5, "--method", "hard-sphere", "--csv")
     assert (code, err) == (0, "")

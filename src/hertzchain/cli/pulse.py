@@ -16,6 +16,7 @@ from .pulse_tables import pulse_table, side_by_side
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
+    from ..pulse.comparison import Comparison
     from ..pulse.pulse import Pulse
     from ..validation.objects import Progress
 
@@ -29,6 +30,8 @@ DISORDER: Final = "disorder"
 PREDICTED: Final = tuple(name for name in COLUMN_QUANTITIES if not name.endswith("_spread"))
 # The theory of the large beads of a chain with small ones between them.
 EFFECTIVE: Final = "effective-chain"
+# Least number of beads with errors at other beads than the first and the last.
+LEAST: Final = 2
 # All methods of sweeps that support the chain.
 ALL: Final = "all"
 
@@ -273,5 +276,19 @@ def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> Non
     for other in pulses[1:]:
         comparison = other.compare(pulses[0])
         click.echo(f"\n{comparison}")
+        _show_error_before_end(comparison, quantity)
         if quantity in ON_REQUEST:
             click.echo(comparison._line(quantity))
+
+
+def _show_error_before_end(comparison: Comparison, quantity: str) -> None:
+    """The largest error of the other beads, if the largest of all is that at a free end."""
+    from ..pulse.free_end import ends_free
+    from ..representation import percent
+
+    pulse, beads = comparison.pulse, comparison.pulse.chain.beads
+    if quantity not in comparison.quantities or not ends_free(comparison.reference, quantity):
+        return
+    if comparison.worst_bead(quantity) == beads and beads > LEAST:
+        worst = max(abs(comparison.errors(quantity)[1:-1]))
+        click.echo(f"  {quantity} without the last bead, at the free end: {percent(worst)}")

@@ -286,7 +286,7 @@ def _show_error_before_end(comparison: Comparison, quantity: str) -> None:
     from ..pulse.free_end import ends_free
     from ..representation import percent
 
-    pulse, beads = comparison.pulse, comparison.pulse.chain.beads
+    beads = comparison.pulse.chain.beads
     if quantity not in comparison.quantities or not ends_free(comparison.reference, quantity):
         return
     if comparison.worst_bead(quantity) == beads and beads > LEAST:

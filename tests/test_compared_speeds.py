@@ -354,3 +354,16 @@ def test_many_impacts_over_a_wide_range_are_on_logarithmic_axes(heights, forces,
         axes.figure.canvas.draw()
         labels = [text.get_text() for text in axes.figure.axes[-1].get_xticklabels()]
         assert {"1", "2"} <= set(labels)
+
+
+@pytest.mark.parametrize(("low", "scale"), [(20.0, "linear"), (9.0, "log"), (0.0, "linear")])
+def test_peaks_with_yield_far_below_elastic_ones_have_logarithmic_axes(low, scale):
+    from hertzchain.plotting.peaks_over_impacts import plot_peaks
+
+    axes = plot_peaks(
+        {"": [0.02, 0.04, 0.06]}, {"": [50.0, 75.0, 100.0]},
+        {"": [(low, 30.0), (24.0, 32.0), (26.0, 34.0)]}, {"": [(False,) * 3] * 3},
+        factors=("1.6", "2.8"), where="the wall", units="SI", heights=True,
+    )  # fmt: skip
+    assert (axes.get_xscale(), axes.get_yscale()) == (scale, scale)
+    axes.figure.clear()

@@ -23,9 +23,11 @@ MARKERS: Final = ("o", "s", "^", "D", "v", "P", "X")
 LINES: Final = ("-", "--", ":")
 # Difference, relative to the largest value, of curves that cannot be distinguished.
 SAME: Final = 3e-3
-# Impacts, and the factor between their extremes, from which axes are logarithmic.
+# Impacts, and the factor between their extremes or those of the forces, from which axes are
+# logarithmic.
 FEWEST: Final = 3
 FACTOR: Final = 4.0
+FORCE_FACTOR: Final = 10.0
 # Speeds or heights, and the peaks with elastic contacts and at both yield pressures.
 Curve = tuple[NDArray[np.float64], list[NDArray[np.float64]]]
 NO_SENSORS: Final[Mapping[str, Mapping[str, Sequence[float]]]] = MappingProxyType({})
@@ -49,7 +51,8 @@ def plot_peaks(
     possible yield pressures, the ``factors`` times the yield strength.  Those of the three peaks
     that are ``outside`` have hollow markers.  Peaks that are not known are infinite, and left out.
     First maxima in ``sensors``, by the names of sensors and chains, are in panels below.  Of three
-    or more impacts over a wide range, both axes are logarithmic, so that exponents are visible.
+    or more impacts with a wide range of them or of the peaks, both axes are logarithmic, so that
+    exponents are visible.
     """
     unit = " [N]" if units == "SI" else ""
     with figure_style():
@@ -83,10 +86,13 @@ def _shows_exponents(
     x = np.concatenate([np.asarray(each, float) for each in impacts.values()])
     y = np.concatenate([np.ravel(np.asarray(each, float)) for each in forces])
     # Exactly four times, such as 1 mm to 4 mm, is wide enough despite rounding errors.
-    wide = x.min() > 0.0 and x.max() >= FACTOR * (1.0 - ROUNDING) * x.min()
+    wide = x.max() >= FACTOR * (1.0 - ROUNDING) * x.min()
+    y = y[np.isfinite(y)]
+    # Peaks with yield would be a line at the lower edge of a linear axis.
+    wide |= y.size > 0 and y.max() >= FORCE_FACTOR * y.min()
     # Heights of different chains may differ by rounding errors.
     several = max(len(np.unique(each)) for each in impacts.values()) >= FEWEST
-    return bool(wide and several and (y[np.isfinite(y)] > 0.0).all())
+    return bool(wide and several and x.min() > 0.0 and (y > 0.0).all())
 
 
 def _scale(panels: Sequence[Axes], *, logarithmic: bool) -> None:

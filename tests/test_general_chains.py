@@ -325,7 +325,7 @@ def test_strikers_of_any_number():
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"until": 5.0}, "starts at time .* cannot stop at until = 5"),
+        ({"until": 5.0}, "starts at t = .* cannot stop at until = 5"),
         ({"times": [1.0, 20.0]}, "resumes from time .*, but the first time"),
     ],
 )

@@ -368,6 +368,7 @@ def public_calls(folder):
             levels=None,
             legend=True,
             ax=None,
+            band=None,
             bead=3,
         ),
         "animate": tried(

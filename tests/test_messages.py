@@ -87,6 +87,21 @@ def test_the_bca_of_a_lossy_chain_names_its_own_restitution():
         hc.bca(lossy.replace(right_wall=hc.Wall()))
 
 
+def test_a_theory_names_the_same_chain_without_walls():
+    walls = hc.Chain.uniform(5).replace(left_wall=hc.Wall(), right_wall=hc.Wall())
+    call = r"omit the walls: chain.replace\(left_wall=None, right_wall=None\) \("
+    with pytest.raises(hc.InputError, match=call):
+        hc.bca(walls)
+    with pytest.raises(hc.InputError, match=r"right wall; omit it: chain.replace\(right_wall=None"):
+        hc.hard_sphere(walls.replace(left_wall=None))
+
+
+@pytest.mark.parametrize(("exponent", "shape"), [(2.0, r"Cone\(half_angle"), (1.3, "N/m.1.3$")])
+def test_materials_without_a_stiffness_name_a_shape_of_this_exponent(exponent, shape):
+    with pytest.raises(hc.InputError, match=shape):
+        BALLS.replace(exponent=exponent)
+
+
 def test_the_force_on_a_wall_is_found_from_that_in_a_bead():
     run = hc.simulate(BALLS.replace(right_wall=hc.Wall()), times=50)
     with pytest.raises(hc.InputError, match=r"run.wall_force\('right'\) is that on the wall"):

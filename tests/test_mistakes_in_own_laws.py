@@ -78,3 +78,9 @@ def test_a_power_may_be_a_fraction(law_with):
         assert velocity / scales.velocity == pytest.approx(found[-1], rel=1e-6)
         assert scales.unit(f"1/length^{power}") == pytest.approx(scales.length**-0.25, rel=1e-15)
     assert found[0] == found[1] < 0.68
+
+
+def test_a_law_without_a_row_is_named(law_with):
+    law = law_with(strength=full, row=Loss.row)(0.1)
+    with pytest.raises(hc.InputError, match="the law Law needs a method row"):
+        hc.simulate(hc.Chain.uniform(4).replace(loss=law), until=1.0)

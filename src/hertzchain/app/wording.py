@@ -47,7 +47,8 @@ WORDINGS: Final = (
     (r" of \[chain[.\w]*\]", ""),
     # The page describes the chain, and shows the results of these functions.
     (r" \(chain: .*\)$", ""),
-    (r"; (?:use (?:simulate|propagate|bca|effective_chain)\b|remove it from the chain$)[^;]*$", ""),
+    (r"; (?:use (?:simulate|propagate|bca|effective_chain)\b|remove it from the chain$|"
+     r"omit (?:it|them): chain)[^;]*$", ""),
 )  # fmt: skip
 
 

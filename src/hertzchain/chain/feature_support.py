@@ -70,7 +70,19 @@ def require_supported(
     others = [name for name in chain.features if name not in (*supported, *implied)]
     if others:
         advice = alternative if isinstance(alternative, str) else alternative(others)
-        advice = advice or f"remove {'it' if len(others) == 1 else 'them'} from the chain"
+        one = len(others) == 1
+        if set(others) <= {"left wall", "right wall"}:
+            # Theories are compared with the same chain at a free end.
+            without = ", ".join(f"{name.replace(' ', '_')}=None" for name in others)
+            advice = (
+                f"{advice}, or omit the wall{'' if one else 's'}"
+                if advice
+                else "omit it"
+                if one
+                else "omit them"
+            )
+            advice += f": chain.replace({without})"
+        advice = advice or f"remove {'it' if one else 'them'} from the chain"
         if others == ["SI units"]:
             advice = "use Scales.of(chain).to_scaled(chain)"
         # Chains of materials are converted into scaled ones with masses and stiffness.

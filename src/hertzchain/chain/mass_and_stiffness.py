@@ -27,6 +27,13 @@ def sphere_masses(radii: Array, materials: Materials, *, scaled: bool) -> Array:
         return 4.0 / 3.0 * math.pi * densities * radii**3
 
 
+def _shape_with(exponent: float) -> str:
+    """Bodies of known stiffness whose contacts have an exponent, for a message."""
+    calls = {1.0: "Pad(stiffness)", 2.0: "Cone(half_angle)"}
+    call = calls.get(exponent)
+    return "" if call is None else f", or set with_contacts({call}) for the chain of exponent 1.5"
+
+
 def contact_stiffness(
     radii: Array, materials: Materials, exponents: Array, *, scaled: bool
 ) -> Array:
@@ -44,7 +51,7 @@ def contact_stiffness(
     if len(others):
         raise InputError(
             f"materials determine the stiffness of Hertz contacts (exponent 1.5) only, not of p = "
-            f"{others[0]:g}; give stiffness in N/m^{others[0]:g}"
+            f"{others[0]:g}; give stiffness in N/m^{others[0]:g}{_shape_with(float(others[0]))}"
         )
     return sphere_stiffness(radii[:-1], radii[1:], contact_moduli(known))
 

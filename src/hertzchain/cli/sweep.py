@@ -235,12 +235,17 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool, as_json: boo
     metavar="EXPONENT",
     help="Draw a dashed line of a power law for comparison, such as 1.2 or 6/5; repeatable.",
 )
+@click.option(
+    "--band",
+    metavar="AXIS",
+    help="Plot the median over this axis, such as seed, with the band from 5% to 95%.",
+)
 @_skip_damaged
 @with_width("target")
 def plot(
     store: Path, target: Path, quantity: str | None, at: tuple[str, ...],
     level: tuple[float, ...], log: bool, log_x: bool | None, log_y: bool | None,
-    slopes: tuple[str, ...], skip_damaged: bool,
+    slopes: tuple[str, ...], band: str | None, skip_damaged: bool,
 ) -> None:  # fmt: skip
     """Plot a store to FILE (.png, .svg or .pdf): curves over one axis, a map over two.
 
@@ -255,7 +260,8 @@ def plot(
     chosen = dict(map(_place, at))
     found = hertzchain.open_sweep(store, skip_damaged=skip_damaged)
     axes = plot_sweep(found, quantity, log=log, log_x=log_x, log_y=log_y,
-                      levels=list(level) or None, slope=slopes or None, **chosen)  # fmt: skip
+                      levels=list(level) or None, slope=slopes or None, band=band,
+                      **chosen)  # fmt: skip
     save_figure(axes, target)
     click.echo(target)
 

@@ -22,6 +22,7 @@ WORDINGS: Final = (
      "[chain.loss] or in a [[chain.loss]] with between"),
     (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)",
      r"use loss = {law = 'elastic-plastic', factor = \1} in the chain file"),
+    (r"\b(omit (?:it|them|the walls?)): chain\.replace\([^)]*\)", r"\1"),
     (r"\bloss=None\b", "no loss"),
     (r"\buse Wall\.rigid\(\)", "use --wall rigid, or rigid = true in the chain file"),
     (r"(?<!\.)\bpiecewise_local_rate (?=for steps)", "the method piecewise-local-rate "),

@@ -23,18 +23,21 @@ if TYPE_CHECKING:
 
 # Largest number of symbols of a curve.
 MAX_SYMBOLS: Final = 40
+# Opacity of the band between quantiles, through which other curves are visible.
+BAND_ALPHA: Final = 0.2
 
 
 def draw_curves(
     drawn: xr.DataArray, flags: Mapping[str, xr.DataArray], axes: Axes, *, by: str, log: bool,
-    law: bool, group: Group, first: int = 0,
+    law: bool, group: Group, first: int = 0, ends: Sequence[xr.DataArray] = (),
 ) -> None:  # fmt: skip
     """Draw one curve for each method or value of a short axis, in colours from the first one.
 
     Colours that other curves in the axes have are not used again.
 
     Of several methods for each value, the colour shows the value, and line and symbol the method.
-    Flagged points are marked; with ``law``, Hertz's law has a range, too.
+    Flagged points are marked; with ``law``, Hertz's law has a range, too.  Values of ``ends`` limit
+    a band around each curve.
     """
     # A line to a value without a place would end at the edge of the axes.
     drawn = drawn.where(drawn > 0.0) if log else drawn
@@ -64,6 +67,9 @@ def draw_curves(
                 axes.plot(places[end], curve[end], color=colour, linestyle="none",
                           marker=MARKERS[(symbol + j) % len(MARKERS)])  # fmt: skip
                 free = True
+            if ends:
+                low, high = (each.isel(chosen)[:end].to_numpy() for each in ends)
+                axes.fill_between(places[:end], low, high, color=colour, alpha=BAND_ALPHA, lw=0.0)
             label = coordinate_text(curve[by], by) if by in curve.coords else ""
             (line,) = axes.plot(
                 places[:end],
@@ -85,6 +91,11 @@ def draw_curves(
         remove_labelled(axes, FREE_END)
         label_free_end(axes)
     label_marks(axes, marked, law=law)
+    _set_axes(axes, drawn, along, log=log)
+
+
+def _set_axes(axes: Axes, drawn: xr.DataArray, along: Any, *, log: bool) -> None:
+    """Labels and scales of both axes."""
     axes.set_ylabel(broken_label(axes, "height", quantity_label(drawn)))
     _scale_quantity(axes, log=log)
     # Before the ticks of a logarithmic axis are chosen.

@@ -20,7 +20,9 @@ from .legends import place_legend
 from .reference_slopes import draw_slopes, slopes_from
 from .style import figure_style, get_axes, set_title
 from .sweep_axes import with_scales
+from .sweep_bands import Band, warn_missing_in_band, with_band, words_of
 from .sweep_captions import SO_FAR, caption_of, words_of_flags
+from .sweep_checks import check_map, check_scales, check_together, check_values, wanted_quantities
 from .sweep_curves import draw_curves
 from .sweep_labels import (
     ERRORS,
@@ -33,7 +35,7 @@ from .sweep_labels import (
 from .sweep_maps import draw_map
 from .sweep_marks import mark_cells
 from .sweep_points import over_first_quantity
-from .sweep_sharing import Group, in_unit, label_shared, shared_unit
+from .sweep_sharing import Group, Unit, in_unit, label_shared, shared_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,6 +58,7 @@ def plot_sweep(
     log_y: bool | None = None,
     levels: list[float] | None = None,
     slope: float | str | Sequence[float | str] | None = None,
+    band: str | None = None,
     label: str = "",
     legend: bool = True,
     ax: Axes | None = None,
@@ -95,6 +98,9 @@ def plot_sweep(
         Exponents of power laws, as numbers or fractions such as ``"6/5"``: thin dashed lines, whose
         level has no meaning, are drawn for comparison above the first curve.  On two logarithmic
         axes they are straight.
+    band : str, optional
+        An axis, such as ``"with_scatter.seed"``: the curves are medians over its values, with the
+        band between their 5% and 95% quantiles.
     label : str
         Name of the curves in the legend, followed by the method or value if there are several.  By
         default, curves of several sweeps or quantities in the same axes are named by the
@@ -149,16 +155,20 @@ def plot_sweep(
     name = "" if isinstance(label, str) and not label else text("label", label)
     check_sweep(dataset)
     dataset = over_first_quantity(dataset, at)
-    selected = [_to_plot(dataset, each, at, several=bool(levels)) for each in _wanted(quantity)]
+    complete, (dataset, within) = dataset, with_band(dataset, band)
+    selected = [
+        _to_plot(dataset, each, at, several=bool(levels)) for each in wanted_quantities(quantity)
+    ]
     along = [each for each in selected[0][0].dims if each != "approach"]
     short = _short_axis(selected[0][0], along) if len(along) == 2 and not levels else None
     by = "approach" if len(along) == 1 else short
     if by is None:
-        _check_map(name, slopes)
-    _check_together([drawn for drawn, _ in selected], curves=by is not None)
-    log, scales = _checked_scales(log, log_x, log_y, curves=by is not None)
+        check_map(name, slopes, band)
+    check_together([drawn for drawn, _ in selected], curves=by is not None)
+    log, scales = check_scales(log, log_x, log_y, curves=by is not None)
     _check_done(dataset, at)
-    _check_values([drawn for drawn, _ in selected])
+    for drawn, _ in selected:
+        check_values(drawn)
     with figure_style():
         axes = get_axes(ax)
         unit = shared_unit(axes, [drawn for drawn, _ in selected])
@@ -169,7 +179,8 @@ def plot_sweep(
             shown = with_damping(with_symbols(in_unit(drawn, unit), dataset), dataset)
             shown = with_scales(shown, scales, curves=by)
             flagged = _flagged(dataset, shown, at)
-            caption = caption_of(dataset, shown, reference)
+            caption = caption_of(dataset, shown, reference) + words_of(within)
+            ends = _band_ends(complete, within, drawn, at, unit)
             flags = words_of_flags(shown, flagged, law=law, log=log, curves=by is not None)
             if by is None:
                 draw_map(shown, axes, log=log, levels=[unit.factor * level for level in levels])
@@ -178,9 +189,8 @@ def plot_sweep(
                 return axes
             draw_curves(shown, flagged, axes, by=by, log=log, law=law,
                         group=Group(unit, quantity_label(shown), tuple(caption), name),
-                        first=_first_colour(dataset, shown))  # fmt: skip
-            common = label_shared(axes)
-            parts = caption if common is None else common
+                        first=_first_colour(dataset, shown), ends=ends)  # fmt: skip
+            parts = caption if (common := label_shared(axes)) is None else common
             set_title(axes, "; ".join((*parts, *flags)), common=common is not None)
         draw_slopes(axes, axes.lines[present:], slopes)
         several = by in shown.dims or slopes or len(axes.get_legend_handles_labels()[1]) > 1
@@ -189,33 +199,22 @@ def plot_sweep(
     return axes
 
 
-def _checked_scales(
-    log: bool, log_x: bool | None, log_y: bool | None, *, curves: bool
-) -> tuple[bool, list[bool | None]]:
-    """Whether the quantity is on a logarithmic scale, and those of the axes."""
-    log, given = check_bool("log", log), (("log_x", log_x), ("log_y", log_y))
-    scales = [each if each is None else check_bool(name, each) for name, each in given]
-    return (scales[1] if curves and scales[1] is not None else log), scales
-
-
 def _listed(levels: Any) -> list[Any]:
     return [] if levels is None else check_list("levels", levels, "numbers")
 
 
-def _wanted(quantity: Any) -> list[Any]:
-    if quantity is None or isinstance(quantity, str):
-        return [quantity]
-    found = check_list("quantities", quantity, "names of quantities, or one name")
-    if not found:
-        raise InputError("quantities must contain at least one name, such as 'velocity'")
-    return found
-
-
-def _check_map(name: str, slopes: Sequence[Any]) -> None:
-    if name:
-        raise InputError("a map has no legend; omit label")
-    if slopes:
-        raise InputError("a map has no slopes; omit slope, or plot one value of an axis")
+def _band_ends(
+    complete: xr.Dataset, within: Band | None, drawn: xr.DataArray, at: Mapping[str, Any],
+    unit: Unit,
+) -> list[xr.DataArray]:  # fmt: skip
+    """Lower and upper end of a band around plotted medians."""
+    if within is None:
+        return []
+    name = str(drawn.name)
+    values, status = _selected_at(complete[name], at), _flags(complete, "status", at)
+    warn_missing_in_band(values, status, within)
+    ends = (_selected_at(each[name], at) for each in (within.low, within.high))
+    return [in_unit(each.reindex_like(drawn), unit) for each in ends]
 
 
 def _to_plot(
@@ -228,24 +227,6 @@ def _to_plot(
     if not along or len(along) > 2 or (drawn.ndim == 3 and short is None):
         raise InputError(_undrawable(drawn, at))
     return _without_reference(dataset, drawn)
-
-
-def _check_together(drawn: Sequence[xr.DataArray], *, curves: bool) -> None:
-    """Require that several quantities have one unit and the same axes, and are not a map."""
-    names = " and ".join(str(each.name) for each in drawn)
-    if len(drawn) > 1 and not curves:
-        raise InputError(f"a map has one quantity, got {names}; call plot_sweep once for each")
-    units = [each.attrs.get("units", "1") for each in drawn]
-    if len({*units}) > 1:
-        raise InputError(
-            f"{names} have the units {', '.join(units)}; call plot_sweep once for each, with "
-            "ax=... to draw into the same figure"
-        )
-    if len({each.dims for each in drawn}) > 1:
-        raise InputError(
-            f"{names} have different dimensions; call plot_sweep once for each, with ax=... to "
-            "draw into the same figure"
-        )
 
 
 def _without_reference(dataset: xr.Dataset, drawn: xr.DataArray) -> tuple[xr.DataArray, str | None]:
@@ -356,17 +337,6 @@ def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
             f"of the {counted(status.size, 'point')} to plot, {' and '.join(parts)}: left blank",
             IncompleteWarning,
         )
-
-
-def _check_values(selected: Sequence[xr.DataArray]) -> None:
-    """Reject a plot of points that are done but have no value."""
-    for drawn in selected:
-        values = drawn.to_numpy()
-        if values.dtype.kind == "f" and not np.isfinite(values).any():
-            unfinished = str(drawn.name).startswith("wall_")
-            advice = "; set until, or keep wall_largest_so_far" if unfinished else ""
-            points = "the point" if values.size == 1 else f"any of the {values.size} points"
-            raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")
 
 
 def _short_axis(drawn: xr.DataArray, along: Sequence[Hashable]) -> str | None:

@@ -404,7 +404,8 @@ def _part(drift: float, unit: float) -> float:
 def _check_end(chain: Chain, until: float | None, times: int | ArrayLike, begin: float) -> None:
     """Raise `InputError` if ``until`` has passed, or is missing where nothing else ends the run."""
     if until is not None and until <= begin:
-        raise InputError(f"the run starts at time {begin:g} and cannot stop at until = {until:g}")
+        start, end = (measure(each, "s", chain.units, digits=6) for each in (begin, until))
+        raise InputError(f"the run starts at t = {start} and cannot stop at until = {end}")
     if until is not None or not isinstance(times, int | np.integer):
         return
     if chain.drive is None and chain.velocities[0] < 0.0 and not chain.velocities[1:].any():

@@ -171,7 +171,7 @@ class Loss(Part):
 
     def row(self, exponent: float) -> LawRow:
         """Kernel parameters common to all contacts of an exponent; `InputError` if unsupported."""
-        raise NotImplementedError
+        raise InputError(f"the law {type(self).__name__} needs a method row: see Extending")
 
     def strength(self, contacts: ContactArrays) -> Array:
         """Kernel parameter of each contact: damping constant or overlap at yield; 0 if unused."""

@@ -15,6 +15,7 @@ from ..chain.description import (
 from ..chain.walls import Wall
 from ..collision import Array
 from ..representation import listed
+from .losses import losses_in_words
 from .sheet import WALL, LabSheet
 
 
@@ -28,7 +29,7 @@ def row_in_words(sheet: LabSheet) -> str:
 def place_in_words(chain: Chain, place: str) -> str:
     """The place of a sensor: ``ball 5``, ``the cap``, ``the load cell`` or ``the wall``."""
     if place == WALL:
-        return "the load cell" if is_load_cell(chain) else "the wall"
+        return f"the {end_of_row(chain)}"
     if chain.cap is not None and bead_number(chain, place) == chain.beads:
         return "the cap"
     return place
@@ -42,6 +43,11 @@ def names(sheet: LabSheet) -> list[str]:
 def at_place(chain: Chain, place: str) -> str:
     """``in ball 5``, or ``on the load cell``."""
     return f"{'on' if place == WALL else 'in'} {place_in_words(chain, place)}"
+
+
+def end_of_row(chain: Chain) -> str:
+    """``load cell`` or ``wall``."""
+    return "load cell" if is_load_cell(chain) else "wall"
 
 
 def is_load_cell(chain: Chain) -> bool:
@@ -141,8 +147,6 @@ def _stiffness(wall: Wall, chain: Chain) -> str:
 
 def _conditions(sheet: LabSheet) -> list[str]:
     """Gaps, static forces, losses and pads that the predictions include."""
-    from .losses import losses_in_words
-
     chain = sheet.chain
     inner = chain.contact_exponents[1:-1]
     found = [
@@ -151,7 +155,7 @@ def _conditions(sheet: LabSheet) -> list[str]:
          if len(chain.gaps) else ""),
         (bool((inner == 1.0).any()), "pads"),
         (bool(chain.gravity or chain.precompression > 0.0), "static forces in the contacts"),
-        (not chain.lossless, f"losses in the contacts ({losses_in_words(chain)})"),
+        (not chain.lossless, f"losses in the contacts ({losses_in_words(chain, end_of_row(chain))})"),
     ]  # fmt: skip
     words = [text.replace(" um", " µm") for present, text in found if present]
     whose = "The teacher's" if sheet.blank else "The"

@@ -149,13 +149,14 @@ def _conditions(sheet: LabSheet) -> list[str]:
     """Gaps, static forces, losses and pads that the predictions include."""
     chain = sheet.chain
     inner = chain.contact_exponents[1:-1]
+    losses = losses_in_words(chain, end_of_row(chain))
     found = [
         (chain.left_wall is not None, "a wall at the struck end"),
         (bool(chain.gaps.any()), f"gaps of up to {length_in_words(float(chain.gaps.max()))}"
          if len(chain.gaps) else ""),
         (bool((inner == 1.0).any()), "pads"),
         (bool(chain.gravity or chain.precompression > 0.0), "static forces in the contacts"),
-        (not chain.lossless, f"losses in the contacts ({losses_in_words(chain, end_of_row(chain))})"),
+        (bool(losses), f"losses in the contacts ({losses})"),
     ]  # fmt: skip
     words = [text.replace(" um", " µm") for present, text in found if present]
     whose = "The teacher's" if sheet.blank else "The"

@@ -33,8 +33,10 @@ def check_scales(
     return (scales[1] if curves and scales[1] is not None else log), scales
 
 
-def check_map(name: str, slopes: Sequence[Any], band: str | None) -> None:
+def check_options(name: str, slopes: Sequence[Any], band: str | None, *, curves: bool) -> None:
     """Reject options that a map does not have."""
+    if curves:
+        return
     if name:
         raise InputError("a map has no legend; omit label")
     if slopes:
@@ -61,11 +63,12 @@ def check_together(drawn: Sequence[xr.DataArray], *, curves: bool) -> None:
         )
 
 
-def check_values(drawn: xr.DataArray) -> None:
+def check_values(selected: Sequence[xr.DataArray]) -> None:
     """Reject a plot of points that are done but have no value."""
-    values = drawn.to_numpy()
-    if values.dtype.kind == "f" and not np.isfinite(values).any():
-        unfinished = str(drawn.name).startswith("wall_")
-        advice = "; set until, or keep wall_largest_so_far" if unfinished else ""
-        points = "the point" if values.size == 1 else f"any of the {values.size} points"
-        raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")
+    for drawn in selected:
+        values = drawn.to_numpy()
+        if values.dtype.kind == "f" and not np.isfinite(values).any():
+            unfinished = str(drawn.name).startswith("wall_")
+            advice = "; set until, or keep wall_largest_so_far" if unfinished else ""
+            points = "the point" if values.size == 1 else f"any of the {values.size} points"
+            raise InputError(f"there is no value of {drawn.name} at {points} to plot{advice}")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from ..chain.laws.base import LAWS
 from ..chain.tapers import TAPERS, rate_symbol
-from ..store.chain_schema import is_place
+from ..store.schema_paths import is_place
 from ..sweeps.kept import SWEEP_QUANTITIES
 from ..sweeps.placed import placed
 from ..units import PERCENT

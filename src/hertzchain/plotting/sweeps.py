@@ -22,7 +22,13 @@ from .style import figure_style, get_axes, set_title
 from .sweep_axes import with_scales
 from .sweep_bands import Band, warn_missing_in_band, with_band, words_of
 from .sweep_captions import SO_FAR, caption_of, words_of_flags
-from .sweep_checks import check_map, check_scales, check_together, check_values, wanted_quantities
+from .sweep_checks import (
+    check_options,
+    check_scales,
+    check_together,
+    check_values,
+    wanted_quantities,
+)
 from .sweep_curves import draw_curves
 from .sweep_labels import (
     ERRORS,
@@ -156,32 +162,29 @@ def plot_sweep(
     check_sweep(dataset)
     dataset = over_first_quantity(dataset, at)
     complete, (dataset, within) = dataset, with_band(dataset, band)
-    selected = [
-        _to_plot(dataset, each, at, several=bool(levels)) for each in wanted_quantities(quantity)
-    ]
+    wanted = wanted_quantities(quantity)
+    selected = [_to_plot(dataset, each, at, several=bool(levels)) for each in wanted]
     along = [each for each in selected[0][0].dims if each != "approach"]
     short = _short_axis(selected[0][0], along) if len(along) == 2 and not levels else None
     by = "approach" if len(along) == 1 else short
-    if by is None:
-        check_map(name, slopes, band)
-    check_together([drawn for drawn, _ in selected], curves=by is not None)
-    log, scales = check_scales(log, log_x, log_y, curves=by is not None)
+    curves, together = by is not None, [drawn for drawn, _ in selected]
+    check_options(name, slopes, band, curves=curves)
+    check_together(together, curves=curves)
+    log, scales = check_scales(log, log_x, log_y, curves=curves)
     _check_done(dataset, at)
-    for drawn, _ in selected:
-        check_values(drawn)
+    check_values(together)
     with figure_style():
         axes = get_axes(ax)
-        unit = shared_unit(axes, [drawn for drawn, _ in selected])
+        unit = shared_unit(axes, together)
         present = len(axes.lines)
-        # Scaled chains have no materials, and therefore no range of Hertz's law.
-        law = dataset.attrs.get("units") == "SI"
+        law = dataset.attrs.get("units") == "SI"  # scaled chains have no range of Hertz's law
         for drawn, reference in selected:
             shown = with_damping(with_symbols(in_unit(drawn, unit), dataset), dataset)
             shown = with_scales(shown, scales, curves=by)
             flagged = _flagged(dataset, shown, at)
             caption = caption_of(dataset, shown, reference) + words_of(within)
             ends = _band_ends(complete, within, drawn, at, unit)
-            flags = words_of_flags(shown, flagged, law=law, log=log, curves=by is not None)
+            flags = words_of_flags(shown, flagged, law=law, log=log, curves=curves)
             if by is None:
                 draw_map(shown, axes, log=log, levels=[unit.factor * level for level in levels])
                 set_title(axes, "; ".join((*caption, *flags)))

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
-from ..store.chain_schema import dimensions_of, is_count, is_fraction, is_place, names_beside
+from ..store.schema_paths import dimensions_of, is_count, is_fraction, is_place, names_beside
 from ..units import PERCENT, UNITS, converted, quantity
 from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..chain.materials import material
 from ..errors import InputError
-from ..store.chain_schema import is_material_constant, is_place
+from ..store.schema_paths import is_material_constant, is_place
 from .axes import Axis
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from ..chain.materials import catalogue
 from ..errors import unknown_name_error
 from ..store.chain_as_toml import chain_document, listed_chain_document
 from ..store.chain_files import ARRAYS
-from ..store.chain_schema import MATERIAL_CONSTANTS, is_material_constant, is_place
+from ..store.chain_schema import MATERIAL_CONSTANTS
+from ..store.schema_paths import is_material_constant, is_place
 from ..validation.json_types import to_json_types
 from .axes import Axis
 

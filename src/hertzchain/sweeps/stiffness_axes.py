@@ -7,7 +7,7 @@ from typing import Any, Final
 
 from ..chain.chain import Chain
 from ..collision import HERTZ_EXPONENT
-from ..store.chain_schema import is_place
+from ..store.schema_paths import is_place
 
 # Contacts of the tables of [chain] that have a stiffness, counted as in `Chain.contact_exponents`.
 _CONTACT: Final = {"left_wall": 0, "right_wall": -1, "cap": -2, "struck_by": 1, "stiffness": 1}

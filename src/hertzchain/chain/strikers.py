@@ -65,8 +65,8 @@ def struck_by(
         Velocity of the strikers [scaled, or m/s]; 1 by default.
     height : float, optional
         Height h from which the strikers fall [m], instead of their velocity
-        :math:`v = \sqrt{2gh}` with g = 9.80665 m/s^2, in an SI chain.  It may also be that of a
-        pendulum.
+        :math:`v = \sqrt{2gh}` with g = 9.80665 m/s^2, whatever the gravity of the chain, in an SI
+        chain.  It may also be that of a pendulum.
     energy : float, optional
         Kinetic energy E of each striker [J], instead of its velocity :math:`v = \sqrt{2E/m}`, in
         an SI chain.

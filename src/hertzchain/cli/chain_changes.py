@@ -101,7 +101,7 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
         elif found is not None and has_dimension(found[1], "J"):
             key, value = "energy", part
         elif found is None and part[:1].isalpha():
-            key, value = "material", part
+            key, value = "material", _material_of_striker(part, chain)
         else:
             raise click.UsageError(
                 "--striker must be a number of beads like the first, or a mass, a diameter, flat, "
@@ -117,6 +117,25 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
             "like the first"
         )
     return given
+
+
+def _material_of_striker(part: str, chain: Chain) -> str:
+    """The name of a material, unless it is a misspelt ``flat`` or ``height=...``."""
+    from ..chain.materials import catalogue
+    from ..errors import similar_names
+
+    name, equals, value = (each.strip() for each in part.partition("="))
+    own = {each.name for each in chain.materials or ()}
+    if part.lower() in own | {*catalogue()} or part in own:
+        return part
+    if equals:
+        near = f"; did you mean 'height={value}'?" if similar_names(name, ["height"]) else ""
+        raise click.UsageError(
+            f"--striker has no key {name!r}{near or ': choose height=..., the height of a fall'}"
+        )
+    if similar_names(part, ["flat"]):
+        raise click.UsageError(f"--striker: {part!r} is not known; did you mean 'flat'?")
+    return part
 
 
 def with_cap(chain: Chain, text: str) -> Chain:

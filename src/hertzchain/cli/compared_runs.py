@@ -30,7 +30,6 @@ from .marked_entries import (
 )
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from rich.table import Table
 
     from ..chain.bead_names import Side
@@ -90,39 +89,6 @@ def peaks_of(
         for name, run in runs.items()
     }  # fmt: skip
     return Peaks(place, own, at, unpredicted)
-
-
-def drawn_over_impacts(
-    runs: Mapping[str, Run], peaks: Peaks | None, impacts: Impacts,
-    beads: Mapping[str, Sequence[int]],
-) -> Axes | None:  # fmt: skip
-    """Plot the peaks of each chain over several speeds or heights, also with contacts that yield.
-
-    Panels below have the first maxima in sensors, except that of the peaks.  There is no figure
-    without several impacts or without peaks.
-    """
-    if not impacts or peaks is None:
-        return None
-    from ..plotting.peaks_over_impacts import plot_peaks
-    from .compared_sensors import forces_over_impacts
-    from .repeated_impacts import value_of_impact
-
-    others = {name: each[peaks.place == "sensor" :] for name, each in beads.items()}
-    names: dict[str, list[str]] = {}
-    for at_impact in impacts.names.values():
-        for chain, name in at_impact.items():
-            names.setdefault(chain, []).append(name)
-    return plot_peaks(
-        {chain: [value_of_impact(runs[name].chain, impacts.kind) for name in own]
-         for chain, own in names.items()},
-        {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
-        {chain: [peaks.at[name].both for name in own] for chain, own in names.items()
-         if any(peaks.at[name].elastic for name in own)},
-        {chain: [(name in peaks.unpredicted, *peaks.at[name].outside) for name in own]
-         for chain, own in names.items()},
-        factors=possible_factors(), where=peaks.where, units=next(iter(runs.values())).chain.units,
-        heights=impacts.kind == "height", sensors=forces_over_impacts(runs, others, impacts),
-    )  # fmt: skip
 
 
 def compared_runs(
@@ -224,10 +190,22 @@ def _notes_on_place(
             "peak: force of the last contact; acceleration: peak / mass of the last body, "
             f"unfiltered; duration: time around the peak above {ABOVE:.0%} of it{unit}"
         ]
-    if place != "sensor":
-        return []
+    if place in ("left", "right"):
+        return _peaks_so_far(runs, place)
     half = [name for name, run in runs.items() if has_free_face(run.chain, beads[name][0])]
     return [f"sensor of {listed(half)}: {FREE_FACE}"] if half else []
+
+
+def _peaks_so_far(runs: Mapping[str, Run], side: Side) -> list[str]:
+    """That complete peaks of some runs on a wall may be exceeded by later impacts."""
+    from ..simulation.wall_bound import LATER_IMPACTS
+
+    found = {name: run._wall_force(side) for name, run in runs.items()}
+    so_far = [name for name, wall in found.items() if wall.complete and not wall.proven]
+    if not so_far:
+        return []
+    which = f" of {listed(so_far)}" if len(so_far) < len(runs) else ""
+    return [f"peak{which}: so far; {LATER_IMPACTS}"]
 
 
 def _of_different_ends(

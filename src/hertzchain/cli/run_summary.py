@@ -210,10 +210,18 @@ def _if_yielding(run: Run, yielding: Yielding) -> list[str]:
 
 
 def strikers_of(run: Run) -> list[dict[str, float]]:
-    """Velocities of strikers at the end, and the parts of their energy; none if not saved."""
-    if not len(run.times) or run.times[-1] < run.end_time:
+    """Velocities of strikers at the end, and the parts of their energy.
+
+    Of a run without a given end, they are those of a rebound under gravity only: other runs may end
+    while strikers are still in contact.
+    """
+    first = run.chain.velocities
+    if len(run.times) and run.times[-1] >= run.end_time:
+        last = run.velocities[-1]
+    elif run.chain.gravity and not run.state.velocities[: run.chain.strikers].max(initial=0.0) > 0:
+        last = run.state.velocities
+    else:
         return []
-    last, first = run.velocities[-1], run.chain.velocities
     return [
         {
             "striker": i + 1, "velocity": float(last[i]),

@@ -9,7 +9,7 @@ import click
 
 from .chain_options import ChainOptions, chain_options
 from .chain_runs import runs_of
-from .compared_runs import compared_runs, drawn_over_impacts, peaks_of
+from .compared_runs import compared_runs, peaks_of
 from .compared_sensors import sensor_table
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
@@ -23,6 +23,7 @@ from .options import (
     time_from,
 )
 from .output import save_figure, show_json, show_table
+from .peaks_over_impacts import drawn_over_impacts, nothing_to_plot
 from .progress import progress_bar
 from .repeated_impacts import chains_at_impacts
 from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
@@ -35,9 +36,12 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..simulation.run import Run
+    from .compared_runs import Peaks
     from .compared_yield import Yielding
+    from .repeated_impacts import Impacts
 
 USUAL_TIMES: Final = 400
+NOTHING: Final = "--plot has nothing to plot, because no peak is complete; give a later --until"
 SINGLE: Final = (
     "--out, --forces, --animate and --stream require one chain FILE and one --speed or --height"
 )
@@ -238,9 +242,7 @@ def simulate(
     others = {name: _at_other_pressure(run, until, step, settings) for name, run in runs.items()}
     yielding = {name: peaks_if_yielding(run) for name, run in runs.items()}
     peaks = peaks_of(runs, others, yielding, beads) if len(runs) > 1 else None
-    if plot is not None:
-        over = drawn_over_impacts(runs, peaks, impacts, beads)
-        save_figure(over or _drawn(runs, beads, yielding, forces=bool(sensors)), plot)
+    drawn = plot is None or _plot(plot, runs, peaks, impacts, beads, yielding, sensors)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
     shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
     if as_json:
@@ -256,6 +258,20 @@ def simulate(
         if not (impacts and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
         _show_tables(compared, sensor_table(runs, beads, impacts), only=bool(impacts))
+    if not drawn:
+        raise click.ClickException(NOTHING)
+
+
+def _plot(
+    plot: Path, runs: dict[str, Run], peaks: Peaks | None, impacts: Impacts,
+    beads: dict[str, list[int]], yielding: dict[str, Yielding], sensors: tuple[str, ...],
+) -> bool:  # fmt: skip
+    """Save the figure; whether there is anything to plot."""
+    if nothing_to_plot(runs, peaks, impacts, beads):
+        return False
+    over = drawn_over_impacts(runs, peaks, impacts, beads)
+    save_figure(over or _drawn(runs, beads, yielding, forces=bool(sensors)), plot)
+    return True
 
 
 def _show_tables(

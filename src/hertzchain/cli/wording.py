@@ -78,6 +78,7 @@ BY_OPTION: Final = {
     ),
     "until": (
         (r"\bgive until\b(?!=)", "give --until"),
+        (r"\bgive a later until\b", "give a later --until"),
         (r"(; give .*), or until$", r"\1, or --until"),
         (r"\bwithout until\b", "without --until"),
     ),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -75,6 +77,17 @@ def pulse_duration(times: Array, values: Array) -> float:
     begin = np.interp(ARRIVED, height[rise], times[rise])
     end = np.interp(-ARRIVED, -height[fall], times[fall])
     return float(end - begin)
+
+
+def later_until(sensors: Sequence[str], durations: Array) -> str:
+    """Advice on forces that have not fallen to half of their maxima; empty if all have.
+
+    The velocity of a last ball never falls.
+    """
+    pairs = zip(sensors, durations, strict=True)
+    if all(math.isfinite(each) or name.endswith("velocity") for name, each in pairs):
+        return ""
+    return "; give a later until, at which all forces have fallen to half of their maxima"
 
 
 def arrival_error(times: Array, model: Array, peak: float, sigma: float) -> float:

@@ -29,7 +29,7 @@ from ..validation.objects import check_list, check_type
 from .cap_notes import planned_cap_notes
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
-from .crossings import pulse_duration
+from .crossings import later_until, pulse_duration
 from .flat_valleys import derivatives_at
 from .held_by_priors import prior_notes
 from .model import Model, Values, make_model
@@ -186,10 +186,10 @@ class Forecast(Estimates):
                 self.sensors, self.pulse_durations, self.samples_per_pulse, strict=True
             )
         ]  # fmt: skip
-        advice = ""
+        advice = later_until(self.sensors, self.pulse_durations)
         if math.isfinite(self.recommended_interval):
             longest = measure(self.recommended_interval, "s", digits=3)
-            advice = f" (at least {WELL_RESOLVED} are recommended: every {longest} or less)"
+            advice = f" (at least {WELL_RESOLVED} are recommended: every {longest} or less){advice}"
         return f"pulse at half of its maximum: {'; '.join(shown)}{advice}"
 
     def as_dict(self) -> dict[str, Any]:

@@ -92,13 +92,17 @@ def _shows_exponents(
     wide |= y.size > 0 and y.max() >= FORCE_FACTOR * y.min()
     # Heights of different chains may differ by rounding errors.
     several = max(len(np.unique(each)) for each in impacts.values()) >= FEWEST
-    return bool(wide and several and x.min() > 0.0 and (y > 0.0).all())
+    return bool(wide and several and y.size and x.min() > 0.0 and (y > 0.0).all())
 
 
 def _scale(panels: Sequence[Axes], *, logarithmic: bool) -> None:
-    """Logarithmic axes, or forces from zero."""
+    """Logarithmic axes, or forces from zero; a panel without any force says so."""
     for panel in panels:
-        if logarithmic:
+        if not any(np.isfinite(line.get_ydata()).any() for line in panel.lines):
+            panel.text(0.5, 0.5, "no force is known", transform=panel.transAxes, ha="center",
+                       va="center", color=grey(panel, 0.4))  # fmt: skip
+            panel.set_yticks([])
+        elif logarithmic:
             panel.set_xscale("log")
             panel.set_yscale("log")
             label_log_axis(panel.yaxis)

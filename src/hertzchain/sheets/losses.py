@@ -9,17 +9,16 @@ from ..chain.laws.base import Loss
 from ..chain.laws.elastic import Elastic
 from ..chain.laws.given_numbers import given_numbers
 from ..representation import listed, measure
+from .kinds import is_load_cell
 
 
-def losses_in_words(chain: Chain, end: str) -> str:
-    """Such as ``viscoelastic, 0.5 µs; load cell elastic``; empty without a loss.
-
-    ``end`` is the name of the end of the row: ``load cell`` or ``wall``.
-    """
+def losses_in_words(chain: Chain) -> str:
+    """Such as ``viscoelastic, 0.5 µs; load cell elastic``; empty without a loss."""
     if chain.lossless:
         return ""
     laws = [_law(each) for each in chain.contact_losses]
     inner = laws[1:-1]
+    end = "load cell" if is_load_cell(chain) else "wall"
     walls = [("left wall", chain.left_wall, laws[0]), (end, chain.right_wall, laws[-1])]
     between = [inner[0]] if len(set(inner)) == 1 else _by_contacts(inner)
     others = [f"{name} {law}" for name, wall, law in walls if wall and [law] != between]

@@ -15,8 +15,9 @@ from ..chain.chain import Chain
 from ..representation import listed
 from . import answers
 from .answers import Table
+from .kinds import is_column
 from .losses import losses_in_words
-from .row import end_of_row, is_column, names, row_in_words
+from .row import names, row_in_words
 from .sheet import LabSheet
 from .sketch import sketch
 
@@ -72,7 +73,7 @@ def _context(sheet: LabSheet) -> dict[str, Any]:
 
 def _description(chain: Chain) -> str:
     """The description of the chain, with its laws of loss in a sentence instead of a word."""
-    losses = losses_in_words(chain, end_of_row(chain))
+    losses = losses_in_words(chain)
     if not losses:
         return chain.description
     return f"{re.sub(', (mixed losses|loss)(?=,|$)', '', chain.description)}. Loss: {losses}"

@@ -15,6 +15,7 @@ from ..chain.description import (
 from ..chain.walls import Wall
 from ..collision import Array
 from ..representation import listed
+from .kinds import is_column, is_load_cell
 from .losses import losses_in_words
 from .sheet import WALL, LabSheet
 
@@ -29,7 +30,7 @@ def row_in_words(sheet: LabSheet) -> str:
 def place_in_words(chain: Chain, place: str) -> str:
     """The place of a sensor: ``ball 5``, ``the cap``, ``the load cell`` or ``the wall``."""
     if place == WALL:
-        return f"the {end_of_row(chain)}"
+        return "the load cell" if is_load_cell(chain) else "the wall"
     if chain.cap is not None and bead_number(chain, place) == chain.beads:
         return "the cap"
     return place
@@ -43,21 +44,6 @@ def names(sheet: LabSheet) -> list[str]:
 def at_place(chain: Chain, place: str) -> str:
     """``in ball 5``, or ``on the load cell``."""
     return f"{'on' if place == WALL else 'in'} {place_in_words(chain, place)}"
-
-
-def end_of_row(chain: Chain) -> str:
-    """``load cell`` or ``wall``."""
-    return "load cell" if is_load_cell(chain) else "wall"
-
-
-def is_load_cell(chain: Chain) -> bool:
-    """Whether the wall behind the row is a linear spring, such as a load cell."""
-    return chain.right_wall is not None and float(chain.contact_exponents[-1]) == 1.0
-
-
-def is_column(chain: Chain) -> bool:
-    """Whether the row is vertical, and its first ball is at the top."""
-    return chain.gravity > 0.0
 
 
 def _kind(chain: Chain) -> str:
@@ -149,14 +135,13 @@ def _conditions(sheet: LabSheet) -> list[str]:
     """Gaps, static forces, losses and pads that the predictions include."""
     chain = sheet.chain
     inner = chain.contact_exponents[1:-1]
-    losses = losses_in_words(chain, end_of_row(chain))
     found = [
         (chain.left_wall is not None, "a wall at the struck end"),
         (bool(chain.gaps.any()), f"gaps of up to {length_in_words(float(chain.gaps.max()))}"
          if len(chain.gaps) else ""),
         (bool((inner == 1.0).any()), "pads"),
         (bool(chain.gravity or chain.precompression > 0.0), "static forces in the contacts"),
-        (bool(losses), f"losses in the contacts ({losses})"),
+        (not chain.lossless, f"losses in the contacts ({losses_in_words(chain)})"),
     ]  # fmt: skip
     words = [text.replace(" um", " µm") for present, text in found if present]
     whose = "The teacher's" if sheet.blank else "The"

@@ -10,7 +10,8 @@ import numpy as np
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, half_widths
-from .row import is_column, place_in_words
+from .kinds import is_column
+from .row import place_in_words
 from .sheet import WALL, LabSheet
 
 # Sizes in units of the SVG figure, which is as wide as the page.

@@ -158,8 +158,8 @@ _SCATTER: Final = (
 )
 _STRUCK_BY: Final = (
     _number("velocity", "velocity of the strikers", "velocity", default=1.0),
-    _number("height", "height from which the strikers fall, instead of their velocity", "length",
-            least=0.0),
+    _number("height", "height from which the strikers fall at 9.80665 m/s^2, instead of their "
+            "velocity", "length", least=0.0),
     _number("energy", "kinetic energy of each striker, instead of its velocity", "energy",
             least=0.0),
     _number("radius", "radius of a striker; 'flat' or inf, or flat = true, is a flat "

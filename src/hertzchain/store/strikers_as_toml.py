@@ -10,12 +10,16 @@ from typing import Any, Final
 from ..chain.chain import Chain
 from ..chain.materials import Material
 from ..chain.striker_properties import SPHERE
+from ..chain.strikers import MAX_FALL, speed_of_fall
 from ..errors import InputError
 from ..recorded_warnings import ignore_warnings
+from ..units import STANDARD_GRAVITY
 from .compact_beads import with_prefix
 
 # Digits of a size or mass that was probably given.
 DIGITS: Final = 6
+# Characters of a velocity from which it was probably not given.
+LONG: Final = 10
 
 
 def balls_of(chain: Chain) -> Chain:
@@ -76,9 +80,18 @@ def _usual_radius(balls: Chain, arguments: Mapping[str, Any]) -> float:
     return math.nan
 
 
+def _speed(velocity: float) -> dict[str, Any]:
+    """The velocity, or the short height that gives it exactly, which was probably given."""
+    if len(repr(velocity)) > LONG:
+        height = float(f"{0.5 * velocity**2 / STANDARD_GRAVITY:.{DIGITS}g}")
+        if height <= MAX_FALL and speed_of_fall("height", height) == velocity:
+            return {"height": with_prefix(height, "mm")}
+    return {"velocity": f"{velocity!r} m/s"}
+
+
 def _with_units(entry: Mapping[str, Any]) -> dict[str, Any]:
     """Keys with text that is the same number, such as ``"200 g"``; stiffness has no usual unit."""
-    found = dict(entry) | {"velocity": f"{entry['velocity']!r} m/s"}
+    found = _speed(entry["velocity"]) | {k: v for k, v in entry.items() if k != "velocity"}
     for key, unit in (("mass", "g"), ("gap", "mm")):
         if key in entry:
             found[key] = with_prefix(entry[key], unit)

@@ -207,7 +207,7 @@ def test_a_chain_file_keeps_the_height(file):
 @pytest.mark.parametrize(
     ("part", "said"),
     [("flt", "--striker: 'flt' is not known; did you mean 'flat'?"),
-     ("hight=5mm", "--striker has no key 'hight'; did you mean 'height=5mm'?"),
+     ("heght=5mm", "--striker has no key 'heght'; did you mean 'height=5mm'?"),
      ("speed=5", "--striker has no key 'speed': choose height=..., the height of a fall")],
 )  # fmt: skip
 def test_misspelt_parts_of_a_striker_are_corrected(run, part, said):

@@ -46,8 +46,8 @@ IMPACT: Final = (
         multiple=True,
         metavar="HEIGHT",
         help="Height from which the strikers, or else bead 1, fall from rest, such as '5 mm'; "
-        "it replaces --speed.  The speed follows from the standard gravity, 9.80665 m/s^2, also with "
-        "another --gravity.  `simulate` compares several heights if it is repeated.",
+        "it replaces --speed.  The speed follows from the standard gravity, 9.80665 m/s^2, also "
+        "with another --gravity.  `simulate` compares several heights if it is repeated.",
     ),
     click.option(
         "--striker",

@@ -448,6 +448,11 @@ def test_an_effective_chain_has_its_numbers(units):
     assert f"{found.stiffness[5]:.4g}" in shown
 
 
+def test_the_view_of_a_run_of_a_decorated_chain_has_its_large_beads():
+    html = hc.simulate(hc.Chain.uniform(20).decorated(0.4))._repr_html_()
+    assert re.findall(r"</span>bead (\d+)<", html) == ["1", "11", "21", "29", "39"]
+
+
 def test_the_view_of_a_disordered_chain_has_the_spread():
     chain = hc.Chain.uniform(20)
     band = "± one standard deviation"

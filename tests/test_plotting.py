@@ -1,4 +1,5 @@
 import base64
+import dataclasses
 import itertools
 import pickle
 import re
@@ -492,6 +493,16 @@ def test_curves_beyond_the_last_colour_have_other_symbols():
     axes = hc.plot_pulses([hc.bca(hc.Chain.uniform(n)) for n in range(5, 17)])
     looks = {(line.get_color(), line.get_marker()) for line in axes.lines}
     assert len(looks) == 12
+
+
+@pytest.mark.parametrize(("largest", "scale"), [(75.0, "log"), (6.0, "linear")])
+def test_differences_are_visible_beside_that_of_one_bead(largest, scale):
+    exact = hc.propagate(hc.Chain.uniform(40))
+    arrival = 1.02 * exact.arrival
+    arrival[2] *= 1.0 + largest / 100.0
+    other = dataclasses.replace(exact, arrival=arrival, method="other")
+    lower = hc.plot_pulses([exact, other], "arrival", residuals=True).figure.axes[1]
+    assert lower.get_yscale() == scale
 
 
 def test_small_differences_are_visible_beside_large_ones():
@@ -1551,6 +1562,15 @@ def test_curves_of_two_runs_are_solid_and_differ_in_width_and_opacity_those_of_m
     assert {alpha for _, alpha in looks} == {1.0}
     assert len(set(looks)) == 1
     assert len({line.get_color() for line in axes.lines}) == 6
+
+
+@pytest.mark.parametrize(("beads", "widths"), [(8, 2), (40, 1)])
+def test_only_curves_of_two_runs_that_overlap_differ_in_width(beads, widths):
+    axes = None
+    for count in (8, beads):
+        chain = hc.Chain.uniform(count).replace(right_wall=hc.Wall())
+        axes = hc.simulate(chain, until=80.0).plot_forces(["wall"], label=f"{count}", ax=axes)
+    assert len({line.get_linewidth() for line in axes.lines}) == widths
 
 
 def test_runs_with_many_oscillations_have_lines_of_one_width():

@@ -14,6 +14,7 @@ from ..simulation.horizon import Horizon
 from ..simulation.run import Run
 from ..simulation.sensor_force import FREE_FACE, SHOWN, SensorForce
 from ..simulation.wall_force import WallForce
+from ..theory.decoration import small_beads
 from .drawing import (
     COLOURS,
     Curve,
@@ -58,8 +59,11 @@ def run_html(run: Run) -> str:
 
 
 def _velocities(run: Run) -> tuple[str, str]:
-    beads, units = run.chain.beads, run.chain.units
-    chosen = np.unique(np.linspace(1, beads, min(MAX_CURVES, beads)).round().astype(int))
+    units = run.chain.units
+    # The velocities of small beads between large ones cannot be compared with the others.
+    beads = np.flatnonzero(~small_beads(run.chain.radii)) + 1
+    places = np.linspace(0, len(beads) - 1, min(MAX_CURVES, len(beads)))
+    chosen = np.unique(beads[places.round().astype(int)])
     slow, second = axis_unit(run.times, "s", units)
     fast, speed = axis_unit(run.velocities, "m/s", units)
     curves = [

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -37,6 +38,8 @@ EQUAL_WIDTH: Final = 0.9
 # Maxima, in a range of this part of the largest force, from which a broad curve is a band, in which
 # no oscillation is visible; both curves then have the equal width.
 MANY_MAXIMA, RIPPLE = 10, 0.03
+# Common part of the smaller of two areas below curves, from which one curve may hide the other.
+COMMON: Final = 0.1
 # Words that distinguish curves with one label.
 MEASURED, SIMULATED = "measured", "simulated"
 
@@ -110,6 +113,7 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
         # In a narrow figure, wide lines would cover oscillations.
         narrower = min(1.0, figure_of(axes).get_figwidth() / NARROW)
         equal = max(runs) >= len(RUN_LINES) or any(map(oscillates, lines))
+        equal |= not compared and not any(itertools.starmap(_overlap, _of_two_runs(lines)))
         for line in lines:
             width, opacity = (EQUAL_WIDTH, 1.0) if equal else RUN_LINES[line.run]
             line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
@@ -164,6 +168,21 @@ def oscillates(line: ForceLine) -> bool:
 
     force = np.asarray(line.get_ydata(), dtype=float)
     return len(find_peaks(force, prominence=RIPPLE * force.max())[0]) >= MANY_MAXIMA
+
+
+def _of_two_runs(lines: list[ForceLine]) -> Iterator[tuple[ForceLine, ForceLine]]:
+    pairs = itertools.combinations(lines, 2)
+    return ((one, other) for one, other in pairs if one.run != other.run)
+
+
+def _overlap(one: ForceLine, other: ForceLine) -> bool:
+    """Whether a considerable part of the areas below two forces is common to both."""
+    (x, first), (x_other, second) = (
+        np.asarray(line.get_data(), dtype=float) for line in (one, other)
+    )
+    shared = np.minimum(first, np.interp(x, x_other, second, left=0.0, right=0.0))
+    areas = [np.trapezoid(first, x), np.trapezoid(second, x_other)]
+    return bool(np.trapezoid(shared, x) > COMMON * min(areas))
 
 
 def with_peaks(axes: Axes, units: str) -> None:

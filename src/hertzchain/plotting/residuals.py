@@ -12,13 +12,24 @@ from ..pulse.pulse import Pulse
 
 # Differences below this fraction of the largest ones are not visible on a linear axis.
 HIDDEN: Final = 0.02
+# ... and a curve, of at least this many beads, of which half are below this part of its largest.
+DOMINATED: Final = 0.03
+MIN_BEADS: Final = 8
 
 
 def hidden_difference(differences: Sequence[Array]) -> float:
-    """Largest difference of the curve that would not be visible beside others, otherwise 0."""
-    largest = [float(np.nanmax(np.abs(each), initial=0.0)) for each in differences]
-    present = [each for each in largest if each > 0.0]
-    return min(present) if present and min(present) < HIDDEN * max(present) else 0.0
+    """Size of differences that would not be visible beside others, otherwise 0.
+
+    They are the largest of a curve, or the median of one in which a few beads exceed the others.
+    """
+    sizes = [np.abs(each[np.isfinite(each) & (each != 0.0)]) for each in differences]
+    present = [float(each.max()) for each in sizes if len(each)]
+    hidden = [each for each in present if each < HIDDEN * max(present)]
+    medians = [float(np.median(each)) for each in sizes if len(each) >= MIN_BEADS]
+    largest = [float(each.max()) for each in sizes if len(each) >= MIN_BEADS]
+    pairs = zip(medians, largest, strict=True)
+    hidden += [median for median, most in pairs if median < DOMINATED * most]
+    return min(hidden, default=0.0)
 
 
 def relative_difference(pulse: Pulse, reference: Pulse, quantity: str) -> Array:

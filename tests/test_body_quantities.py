@@ -51,7 +51,7 @@ def test_tables_have_the_force_and_the_acceleration_of_the_body(loss):
         assert table["body_acceleration"][i] == pytest.approx(force / chain.masses[-1], rel=1e-5)
         found = body_force(hc.simulate(chain))
         assert table["body_peak_time"][i] == pytest.approx(found.time, abs=1e-8)
-    dataset = table.to_dataset()
+    dataset = table.to_xarray()
     assert dataset["body_acceleration"].attrs["units"] == "m/s^2"
 
 
@@ -62,7 +62,7 @@ def test_the_duration_is_a_quantity_of_tables_scatters_and_designs(loss, run, fi
     expected = pytest.approx(lasting(chain), abs=1e-7)
     table = hc.simulate_many([chain], keep=[DURATION, PEAK])
     assert table["body_duration"][0] == expected
-    assert table.to_dataset()["body_duration"].attrs["units"] == "s"
+    assert table.to_xarray()["body_duration"].attrs["units"] == "s"
     same = hc.distribution(chain, DURATION, hc.Scatter(radius=1e-9, samples=2))
     assert np.median(same.values) == expected
     problem = hc.Design(

@@ -1195,7 +1195,7 @@ def test_the_largest_velocity_of_the_whole_run_can_be_minimised():
 
 
 def test_results_are_exported(softest, tmp_path):
-    data = softest.to_dataset()
+    data = softest.to_xarray()
     assert float(data["wall_force_peak"].sel(design="result")) == softest.value
     assert data["radii"].sel(design="result").values == pytest.approx(softest.chain.radii)
     file = tmp_path / "found.toml"

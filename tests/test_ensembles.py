@@ -402,7 +402,7 @@ def test_tables():
     table = hc.simulate_many(
         chains, keep=["velocity", "peak_force", "wall_peak_force", "sensor_impulse"], sensors=[2, 4]
     )
-    data = table.to_dataset()
+    data = table.to_xarray()
     assert dict(data.sizes) == {"chain": 2, "bead": 6, "contact": 5, "sensor": 2}
     assert data.sensor.values.tolist() == [2, 4]
     assert data.wall_peak_force.attrs["long_name"] == "peak force on the right wall"

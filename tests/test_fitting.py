@@ -1077,7 +1077,7 @@ def test_results_can_be_shown_and_written(example, tmp_path):
     file.write_text(example.chain_toml())
     # Files of fits have seven digits.
     assert np.allclose(hc.load_chain(file).stiffness, example.chain.stiffness, rtol=5e-7)
-    data = example.to_dataset()
+    data = example.to_xarray()
     assert str(data["unit"].sel(parameter="struck_by.velocity").values) == "m/s"
     assert data["correlation"].dims == ("parameter", "other_parameter")
     assert data.attrs["verdict"] == example.verdict

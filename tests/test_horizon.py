@@ -139,7 +139,7 @@ def test_tables_flag_sensitive_forces_as_simulate_does(keep):
     assert table.sensitive.tolist() == [*flags, False] == [False, True, False, False]
     assert "; 1 largest force on the wall may be sensitive to small changes" in words(table)
     assert table.to_dataframe()["sensitive"].tolist() == table.sensitive.tolist()
-    assert table.to_dataset()["sensitive"].values.tolist() == table.sensitive.tolist()
+    assert table.to_xarray()["sensitive"].values.tolist() == table.sensitive.tolist()
     assert "small changes" in table._repr_html_()
     assert "small changes" not in words(hc.simulate_many(chains, keep="velocity"))
 

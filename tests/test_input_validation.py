@@ -119,6 +119,9 @@ def public_calls(folder):
         "Distribution.plot": tried(
             hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)).plot, ax=None
         ),
+        "Distribution.to_dataframe": tried(
+            hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)).to_dataframe
+        ),
         "Distribution.percentile": tried(
             hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)).percentile,
             percent=50.0,
@@ -454,6 +457,7 @@ def public_calls(folder):
         "Pulse.save": tried(pulse.save, path=folder / "pulse.nc"),
         "Pulse.plot": tried(pulse.plot, quantity="velocity", label="a", legend=True, ax=None),
         "PulseTable.chain": tried(table.chain, index=0),
+        "PulseTable.to_dataframe": tried(table.to_dataframe),
         "PulseTable.column": tried(table.column, quantity="velocity"),
         "PulseTable.plot": tried(table.plot, quantity="velocity", ax=None),
         "PulseTable[...]": tried(lambda index: table[index], index=0),

@@ -168,7 +168,7 @@ def test_tables_of_runs_check_reflected_waves(loss):
     leading = hc.hertz_range(chains[1], table["peak_overlap"][1]).yield_ratio.max()
     assert leading < 1.0 < table["yield_ratio"][1]
     assert table.to_dataframe()["outside_range"].tolist() == [False, True, True]
-    assert table.to_dataset()["outside_range"].values.tolist() == [False, True, True]
+    assert table.to_xarray()["outside_range"].values.tolist() == [False, True, True]
     found = hc.simulate_many(chains).outside_range
     assert found.tolist() == [False, True, True]
 

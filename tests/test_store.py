@@ -35,6 +35,7 @@ def test_chain_files(tmp_path):
     [
         ("[chain", "is not valid TOML"),
         ("beads = 3", "unknown table or key 'beads'"),
+        ('title = "A"\n[chain]\ntaper = "uniform"\nbeads = 3', "only .* of sweeps have a title"),
         ("", r"needs a table \[chain\]"),
         ("chain = 3", r"needs a table \[chain\]"),
         ('[chain]\ntapr = "uniform"\nbeads = 3', "unknown key .*'tapr' .did you mean 'taper'"),

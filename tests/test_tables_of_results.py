@@ -96,7 +96,22 @@ def test_derivatives_have_a_labelled_dataset():
     assert "units" not in scaled.radii.attrs
 
 
-METHODS = ("to_dataframe", "to_xarray", "to_dataset")
+def test_tables_of_many_chains_have_a_row_for_each_bead_and_each_value():
+    chains = [hc.Chain.uniform(4), hc.Chain.tapered("forward-linear", 0.05, beads=6)]
+    table = hc.propagate_many(chains).to_dataframe()
+    for row, chain in enumerate(chains):
+        expected = hc.propagate(chain)
+        np.testing.assert_allclose(table.velocity.loc[row], expected.velocity, rtol=1e-8)
+        assert table.loc[row].index.tolist() == [*range(1, chain.beads + 1)]
+    balls = hc.Chain.from_materials(5e-3, "brass", beads=5, velocity=1e-3, right_wall=hc.Wall())
+    scatter = hc.Scatter(radius=0.01, samples=20)
+    found = hc.distribution(balls, "wall_force.peak", scatter)
+    rows = found.to_dataframe()
+    assert rows["wall_force.peak"].tolist() == found.values.tolist()
+    assert rows.attrs["units"] == {"wall_force.peak": "N"}
+
+
+METHODS = ("to_dataframe", "to_xarray")
 
 
 def test_the_page_lists_the_tables_of_all_results():

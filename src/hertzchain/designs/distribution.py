@@ -30,6 +30,7 @@ from .scatter import Scatter, scatter_from
 from .yielding import value_if_yielding, yielding_note
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.axes import Axes
 
 
@@ -99,6 +100,23 @@ class Distribution(Frozen):
     @property
     def _measure(self) -> Measure:
         return measure_of(self.chain, self.quantity)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per value; ``attrs["units"]`` has the unit ("1": scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> chain = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
+        >>> scatter = hc.Scatter(radius=0.02, samples=20)
+        >>> len(hc.distribution(chain, "wall_force.peak", scatter).to_dataframe())
+        20
+        """
+        import pandas as pd
+
+        table = pd.DataFrame({self.quantity: self.values})
+        table.attrs["units"] = {self.quantity: self.unit}
+        return table
 
     def _few_values_note(self, percents: Sequence[float]) -> str:
         """Which of these percentiles the values do not determine; an empty text if all are.

@@ -281,7 +281,7 @@ class DesignResult:
 
         return bead_table(self.chain)
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_xarray(self) -> xr.Dataset:
         """Labelled dataset of the chains and their measures.
 
         Returns
@@ -296,7 +296,7 @@ class DesignResult:
         >>> radii = hc.vary.radii(0.5, 1.0, by="common")
         >>> problem = hc.Design(hc.Chain.uniform(5), maximise="velocity@last", vary=[radii])
         >>> found = hc.design(problem, budget=200)
-        >>> found.to_dataset()["radii"].dims
+        >>> found.to_xarray()["radii"].dims
         ('design', 'bead')
         """
         from .exports import dataset

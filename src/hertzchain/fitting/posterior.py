@@ -87,7 +87,7 @@ class Posterior:
         """Whether the walkers took more than 50 autocorrelation times."""
         return bool(self.steps > LONG_ENOUGH * self.autocorrelation)
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_xarray(self) -> xr.Dataset:
         """Samples as a dataset over ``sample`` and ``parameter``.
 
         Returns
@@ -99,7 +99,7 @@ class Posterior:
         >>> import hertzchain as hc
         >>> import numpy as np
         >>> posterior = hc.Posterior(("a",), np.zeros((4, 1)), 0.5, 1.0, 100, np.zeros(1), ("s",))
-        >>> dict(posterior.to_dataset().sizes)
+        >>> dict(posterior.to_xarray().sizes)
         {'sample': 4, 'parameter': 1}
         """
         import xarray as xr

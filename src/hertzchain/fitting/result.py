@@ -294,7 +294,7 @@ class FitResult(Estimates):
         """Whether values are not given: they are implausible, or of misread data or of noise."""
         return self.misread or bool(self.implausible) or not self.goodness.explains
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_xarray(self) -> xr.Dataset:
         """Labelled dataset: values, errors and correlations over ``parameter``; data and fit.
 
         Returns
@@ -305,7 +305,7 @@ class FitResult(Estimates):
         --------
         >>> import hertzchain as hc
         >>> result = hc.fit(*hc.example_experiment())
-        >>> sorted(result.to_dataset().data_vars)[:3]
+        >>> sorted(result.to_xarray().data_vars)[:3]
         ['ball_11', 'ball_11_fit', 'ball_16']
         """
         from .result_document import result_dataset

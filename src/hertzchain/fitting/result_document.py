@@ -60,7 +60,7 @@ def result_document(result: FitResult) -> dict[str, Any]:
 
 def result_dataset(result: FitResult) -> xr.Dataset:
     """Data, fit, and values with errors, units and correlations."""
-    data = result.traces.to_dataset()
+    data = result.traces.to_xarray()
     names = list(data.data_vars)
     flat = [each for shot in result.predicted for each in shot]
     for name, fitted in zip(names, flat, strict=True):

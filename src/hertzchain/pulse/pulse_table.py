@@ -22,6 +22,7 @@ from .pulse import Pulse
 from .quantities import BEAD_QUANTITIES, QUANTITIES
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
     from matplotlib.axes import Axes
 
@@ -257,6 +258,33 @@ class PulseTable(Columns):
             },
             attrs={"method": "propagation"},
         )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per bead of each chain that was followed.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Indexed by ``chain``, counted from 0, and ``bead``; a quantity of contact k is in row
+            k.  ``attrs["units"]`` has the units ("1": scaled).
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> table = hc.propagate_many([[1.0, 1.0], [1.0, 2.0, 3.0]]).to_dataframe()
+        >>> len(table), table.index.names
+        (5, FrozenList(['chain', 'bead']))
+        """
+        import pandas as pd
+
+        rows = {
+            row: self[row].to_dataframe() for row in range(len(self)) if row not in self.reasons
+        }
+        if not rows:
+            raise InputError("no chain was followed, so the table has no rows")
+        table = pd.concat(rows, names=["chain"])
+        table.attrs["units"] = next(iter(rows.values())).attrs["units"]
+        return table
 
     def plot(self, quantity: str = "velocity", *, ax: Axes | None = None) -> Axes:
         """Plot the median of a quantity along the chains, and a band with 90% of the chains.

@@ -204,7 +204,7 @@ class RunTable(Frozen):
         part = "" if self._of_whole_runs else " (reflections not checked)"
         return f"{outside} of {checked} chains outside Hertz's range{part}"
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_xarray(self) -> xr.Dataset:
         """Labelled dataset with dimensions ``chain``, ``bead``, ``contact`` and ``sensor``.
 
         Returns
@@ -217,7 +217,7 @@ class RunTable(Frozen):
         --------
         >>> import hertzchain as hc
         >>> table = hc.simulate_many([hc.Chain.uniform(9)], keep=["velocity"])
-        >>> dict(table.to_dataset().sizes)
+        >>> dict(table.to_xarray().sizes)
         {'chain': 1, 'bead': 9}
         """
         import xarray as xr

@@ -48,6 +48,8 @@ def check_document(document: Mapping[str, Any], *, complete: bool = True) -> Ite
     for name in document:
         if name in TABLES:
             yield f"unknown table or key {name!r}; did you mean [chain.{name}]?"
+        elif name == "title":
+            yield "only specifications of sweeps have a title; write it as a comment, after #"
         elif name not in TOP:
             yield str(unknown_name_error("table or key", name, TOP))
     table = document.get("chain")

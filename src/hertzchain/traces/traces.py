@@ -241,7 +241,7 @@ class Traces:
         """
         return trace_notes(self.shots)
 
-    def to_dataset(self) -> xr.Dataset:
+    def to_xarray(self) -> xr.Dataset:
         """Labelled dataset: one variable per shot and sensor.
 
         Returns
@@ -254,7 +254,7 @@ class Traces:
         --------
         >>> import hertzchain as hc
         >>> traces = hc.Traces.from_arrays([0.0, 1e-6], {"wall [N]": [0.0, 5.0]}, noise=0.1)
-        >>> traces.to_dataset()["wall"].attrs["units"]
+        >>> traces.to_xarray()["wall"].attrs["units"]
         'N'
         """
         import xarray as xr

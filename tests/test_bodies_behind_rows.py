@@ -142,7 +142,7 @@ def test_a_table_compares_the_whole_forces_on_caps(run, tmp_path, sensor):
 def test_sensors_with_a_free_face_are_named_below_a_table(run, tmp_path):
     files = written(tmp_path, box=box(), balls=box()[:9])
     out = run("simulate", *files, "--sensor", "9").stdout
-    assert "force on the first sensor" in out
+    assert "force in the first sensor" in out
     assert "\nsensor of balls: mean of the forces on both faces; the free face has none" in out
     out = run("simulate", *files, "--sensor", "5").stdout
     assert "\nsensor of" not in out[out.index(" chains: ") :]

@@ -139,7 +139,7 @@ def test_chains_without_walls_are_compared_by_their_sensors(run, tmp_path):
     for name, last in (("a", "9 mm"), ("b", "5 mm")):
         largest = hc.simulate(row(last), times=4000).sensor_force(3).largest_so_far
         assert f"{largest:.5g} N" in table[name]
-    assert "force on the first sensor" in out
+    assert "force in the first sensor" in out
 
 
 @pytest.mark.parametrize("walls", [0, 1])

@@ -178,47 +178,79 @@ def test_each_speed_has_its_own_figure_of_peaks():
     assert axes.get_ylabel() == "peak force on the right wall [N]"
 
 
-def test_a_second_table_has_the_first_maxima_and_times_in_sensors(files):
+def _sensor_force(speed, bead):
+    """The force in a sensor and its first maximum on a fine grid of times."""
+    chain = hc.Chain.from_materials(
+        diameters="10 mm", beads=4, materials=STEEL, velocity=speed, right_wall=hc.Wall.of(STEEL)
+    )
+    found = hc.simulate(chain, times=20_000).sensor_force(bead)
+    top = int(np.argmax(found.force > 0.999 * found.first_maximum))
+    return float(found.force[top : top + 200].max())
+
+
+def test_the_table_has_a_column_with_the_first_maxima_in_each_sensor(files):
     speeds = ["--speed", "0.02m/s", "--speed", "0.04m/s"]
     done = invoked(files[0], *speeds, "--sensor", "2", "--sensor", "3")
     assert done.exit_code == 0, done.output
-    before, after = done.output.split("Forces in sensors")
-    assert "bead" not in before
-    lines = [line.split() for line in after.splitlines() if " m/s" in line]
-    assert len(lines) == 4
-    for line, (bead, speed) in zip(lines, [(k, v) for k in (2, 3) for v in (0.02, 0.04)],
-                                   strict=True):  # fmt: skip
-        chain = hc.Chain.from_materials(
-            diameters="10 mm",
-            beads=4,
-            materials=STEEL,
-            velocity=speed,
-            right_wall=hc.Wall.of(STEEL),
-        )
-        # The maximum is between times of a fine grid.
-        found = hc.simulate(chain, times=20_000).sensor_force(bead)
-        top = int(np.argmax(found.force > 0.999 * found.first_maximum))
-        top += int(np.argmax(found.force[top : top + 200]))
-        assert line[:5] == ["bead", str(bead), f"{speed:g}", "m/s", "equal"]
-        assert float(line[5]) == pytest.approx(found.force[top], rel=1e-4)
-        assert float(line[7]) == pytest.approx(1e6 * found.times[top], rel=2e-3)
-        assert line[6::2][:2] == ["N", "us"]
+    assert done.output.count("\u2500 ") == 1
+    assert "2 speeds: force on the right wall (peak) and in sensors\n" in done.output
+    lines = [line.split() for line in done.output.splitlines() if " m/s" in line]
+    assert len(lines) == 2
+    for line, speed in zip(lines, (0.02, 0.04), strict=True):
+        assert line[:3] == [f"{speed:g}", "m/s", "equal"]
+        assert line[4::2][:3] == ["N", "N", "N"]
+        for bead, value in ((2, line[3]), (3, line[5])):
+            assert float(value) == pytest.approx(_sensor_force(speed, bead), rel=1e-4)
+
+
+def test_without_a_wall_the_first_sensor_has_the_peak_and_the_others_follow():
+    chain = ["--material", STEEL, "--diameter", "10 mm", "--beads", "8"]
+    speeds = ["--speed", "0.02m/s", "--speed", "0.04m/s"]
+    done = invoked(*chain, *speeds, "--sensor", "3", "--sensor", "5")
+    assert done.exit_code == 0, done.output
+    assert "force in the first sensor (peak) and in other sensors\n" in done.output
+    heading = next(line for line in done.output.splitlines() if "peak" in line and "bead" in line)
+    assert heading.split()[:5] == ["speed", "peak", "time", "bead", "5"]
+    assert "bead 3" not in done.output
+    line = next(line.split() for line in done.output.splitlines() if "0.02 m/s" in line)
+    assert float(line[2]) == pytest.approx(_sensor_force(0.02, 3), rel=0.1)
 
 
 @pytest.mark.parametrize(
     ("changes", "entries"),
-    [({}, ["2 N", "3 us", "-", "-"]),
-     ({"largest_so_far": 5.0, "largest_so_far_time": 8e-6}, ["2 N", "3 us", "5 N", "8 us"]),
-     ({"first_maximum": np.nan, "first_maximum_time": np.nan},
-      ["not complete", "-", "2 N", "3 us"]),
-     ({"reached": False}, ["not reached", "-", "-", "-"])],
+    [({}, ("2 N", "2 N")),
+     ({"largest_so_far": 5.0, "largest_so_far_time": 8e-6}, ("2 N", "5 N")),
+     ({"first_maximum": np.nan, "first_maximum_time": np.nan}, ("not complete", "2 N")),
+     ({"reached": False}, ("not reached", "not reached"))],
 )  # fmt: skip
-def test_the_largest_force_in_a_sensor_is_tabulated_if_it_is_later(changes, entries):
+def test_the_entries_of_a_sensor(changes, entries):
     from hertzchain.cli.compared_sensors import _entries
 
     first = {"first_maximum": 2.0, "first_maximum_time": 3e-6}
     sensor = first | {"largest_so_far": 2.0, "largest_so_far_time": 3e-6, "reached": True}
     assert _entries(SimpleNamespace(**sensor | changes), "SI") == entries
+
+
+def test_the_largest_force_has_a_column_if_a_later_wave_is_stronger():
+    from hertzchain.cli.compared_sensors import with_sensors
+
+    first = {"first_maximum": 2.0, "first_maximum_time": 3e-6, "reached": True}
+    equal = SimpleNamespace(**first, largest_so_far=2.0, largest_so_far_time=3e-6)
+    later = SimpleNamespace(**first, largest_so_far=5.0, largest_so_far_time=8e-6)
+    runs = {
+        "a": SimpleNamespace(chain=hc.Chain.uniform(5), sensor_force={2: equal, 3: equal}.get),
+        "b": SimpleNamespace(chain=hc.Chain.uniform(5), sensor_force={2: later, 3: equal}.get),
+    }
+    rows = {name: {"speed": "1", "peak": "9", "time": "8"} for name in runs}
+    beads = {name: [2, 3] for name in runs}
+    found = with_sensors(rows, runs, beads, {1.0: ""}, first_is_peak=False)
+    names = ["first maximum in bead 2", "largest in bead 2", "first maximum in bead 3"]
+    assert [*found["a"]] == ["speed", *names, "peak", "time"]
+    assert [found["a"][name] for name in names] == ["2", "2", "2"]
+    assert [found["b"][name] for name in names] == ["2", "5", "2"]
+    # The peak is the largest force in the first sensor.
+    found = with_sensors(rows, runs, beads, {1.0: ""}, first_is_peak=True)
+    assert [*found["b"]] == ["speed", "peak", "time", names[0], names[2]]
 
 
 def test_each_sensor_has_a_panel_over_impacts():
@@ -262,8 +294,8 @@ def test_heights_are_repeated_like_speeds(files, tmp_path):
     done = invoked(*files, *heights, "--plot", str(figure), "--sensor", "2")
     assert done.exit_code == 0, done.output
     assert (
-        "2 chains at 2 heights: force on the right wall; * marks the smallest of each height"
-        in (done.output)
+        "2 chains at 2 heights: force on the right wall (peak) and in sensors; * marks the "
+        "smallest of each height" in (done.output)
     )
     assert figure.stat().st_size > 1000
     lines = [line for line in done.output.splitlines() if "N s" in line]

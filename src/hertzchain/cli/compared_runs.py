@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final, Literal, NamedTuple, TypeVar
 
 from ..representation import listed, measure
 from ..simulation.yielding import not_a_prediction
+from .compared_sensors import title_of_sensors, with_sensors
 from .compared_yield import (
     all_known,
     at_pressures,
@@ -20,6 +21,8 @@ from .compared_yield import (
 )
 from .last_bead import last_bead_of, shown_acceleration
 from .marked_entries import (
+    FIRST,
+    LARGEST,
     NONE,
     UNPREDICTED,
     dash_notes,
@@ -111,8 +114,9 @@ def compared_runs(
     if len(runs) == 1 or len({run.chain.units for run in runs.values()}) > 1:
         return None
     if peaks is None:
-        return _of_different_ends(runs, others, yielding, impacts)
+        return _of_different_ends(runs, others, yielding, beads, impacts)
     place, own, at, unpredicted = peaks
+    first = place == "sensor"
     rows = {
         name: _speed_after_fall(run, impacts)
         | _of_place(run, beads[name], place)
@@ -134,10 +138,10 @@ def compared_runs(
         # If all contacts have a law, the own peaks are those at the smallest pressure.
         for i in (0, 1) if elastic else (1,):
             _add_peaks(rows, i, at, runs, several)
-    marks = "; * marks the smallest" * bool(several) + f" of each {impacts.kind}" * bool(
-        impacts and several
-    )
-    title = f"{_counted(rows, impacts)}: force on {peaks.where}{marks}"
+    marks = "; * marks the smallest" * bool(several)
+    marks += f" of each {impacts.kind}" * bool(impacts and several)
+    force = f"force {'in' if first else 'on'} {peaks.where}"
+    force += title_of_sensors(beads, impacts, first_is_peak=first)
     notes = [
         f"at {label}: {note}" if label else note
         for label, names in several.items()
@@ -146,8 +150,10 @@ def compared_runs(
             unpredicted,
         )
     ]  # fmt: skip
+    rows = with_sensors(rows, runs, beads, impacts, first_is_peak=first)
     signs = [*sign_notes(rows), *dash_notes(rows, at, impacts)]
-    return _table(rows, title, impacts), [*_notes_on_place(runs, beads, place), *signs, *notes]
+    table = _table(rows, f"{_counted(rows, impacts)}: {force}{marks}", impacts)
+    return table, [*_notes_on_place(runs, beads, place), *signs, *notes]
 
 
 def _part(values: Mapping[str, T], names: Sequence[str]) -> dict[str, T]:
@@ -210,7 +216,7 @@ def _peaks_so_far(runs: Mapping[str, Run], side: Side) -> list[str]:
 
 def _of_different_ends(
     runs: Mapping[str, Run], others: Mapping[str, Run | None], yielding: Mapping[str, Yielding],
-    impacts: Impacts,
+    beads: Mapping[str, Sequence[int]], impacts: Impacts,
 ) -> tuple[Table, list[str]] | None:  # fmt: skip
     """Table of the forces on right walls and of the last beads of free ends; nothing is marked."""
     ends: dict[str, Place] = {
@@ -218,7 +224,8 @@ def _of_different_ends(
     }
     last = {name: {} if ends[name] == "right" else _of_last_bead(run) for name, run in runs.items()}
     walled = "right" in ends.values()
-    if not walled and not any(last.values()):
+    of_sensors = bool(impacts) and any(beads.values())
+    if not walled and not any(last.values()) and not of_sensors:
         return None
     # Columns of walls come first; those without any entry are omitted.
     rows = {
@@ -240,7 +247,9 @@ def _of_different_ends(
         for i in (0, 1) if elastic else (1,):
             _add_peaks(rows, i, at, runs, {})
     places = ["force on the right wall"] * walled
-    places.append("last bead of free ends in the leading pulse")
+    places += ["last bead of free ends in the leading pulse"] * any(last.values())
+    places += ["force in sensors"] * of_sensors
+    rows = with_sensors(rows, runs, beads, impacts, first_is_peak=False)
     notes = [*sign_notes(rows), *dash_notes(rows, at, impacts, ends_differ=True)]
     return _table(rows, f"{_counted(rows, impacts)}: {', '.join(places)}", impacts), notes
 
@@ -278,6 +287,7 @@ def _table(rows: Mapping[str, Mapping[str, str]], title: str, impacts: Impacts) 
     first = [impacts.kind] * bool(impacts) + ["chain"] * named
     for key in (*first, *columns):
         heading = HEADINGS.get(key, key).replace("peak at ", "peak at\n")
+        heading = heading.replace(FIRST, "first max.\n").replace(LARGEST, "largest\n")
         table.add_column(heading, justify="left" if key in first else "right", vertical="bottom")
     groups = impacts.names or {"": dict(zip(rows, rows, strict=True))}
     for label, names in groups.items():

@@ -1,4 +1,4 @@
-"""Forces in sensors, and their times, of chains at several speeds or heights."""
+"""Forces in sensors of chains at several speeds or heights."""
 
 from __future__ import annotations
 
@@ -7,62 +7,70 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..representation import measure
-from .marked_entries import NONE
+from .marked_entries import FIRST, LARGEST
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
     from .repeated_impacts import Impacts
 
 
-def sensor_table(
-    runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]], impacts: Impacts
-) -> Table | None:
-    """First maximum and its time in each sensor, and the largest force where it is a later one.
+def with_sensors(
+    rows: Mapping[str, dict[str, str]], runs: Mapping[str, Run],
+    beads: Mapping[str, Sequence[int]], impacts: Impacts, *, first_is_peak: bool,
+) -> dict[str, dict[str, str]]:  # fmt: skip
+    """Rows of a table over impacts with columns of each sensor, in their order.
 
-    There is no table without several impacts or without sensors.
+    These are the first maximum and, if it is not the largest force in all rows, the largest one,
+    except of the first sensor if the peak is the largest force in it.
     """
-    if not impacts or not any(beads.values()):
-        return None
-    from rich import box
-    from rich.table import Table
+    found: dict[str, dict[str, str]] = {name: {} for name in rows}
+    for i in range(max(map(len, beads.values())) if impacts else 0):
+        own = {name: runs[name].sensor_force(each[i]) for name, each in beads.items()
+               if i < len(each)}  # fmt: skip
+        # The same ball has another number in a chain with another number of strikers.
+        label = " or ".join(dict.fromkeys(_label(runs[name], beads[name][i]) for name in own))
+        later = any(map(_is_later, own.values()))
+        is_peak = first_is_peak and i == 0
+        for name, sensor in own.items():
+            first, largest = _entries(sensor, runs[name].chain.units)
+            if later or not is_peak:
+                found[name][f"{FIRST}{label}"] = first
+            if later and not is_peak:
+                found[name][f"{LARGEST}{label}"] = largest
+    # The columns of a wall follow those of sensors; those of the first sensor come before them.
+    before = ("speed", "peak", "time") if first_is_peak else ("speed",)
+    return {
+        name: {key: row[key] for key in before if key in row} | found[name] | row
+        for name, row in rows.items()
+    }
 
+
+def title_of_sensors(
+    beads: Mapping[str, Sequence[int]], impacts: Impacts, *, first_is_peak: bool
+) -> str:
+    """Part of the title of a table over impacts, if it has columns of sensors besides the peak."""
+    if not impacts or not any(each[first_is_peak:] for each in beads.values()):
+        return ""
+    return " (peak) and in other sensors" if first_is_peak else " (peak) and in sensors"
+
+
+def _label(run: Run, bead: int) -> str:
     from ..chain.bead_names import bead_label
 
-    table = Table(title="Forces in sensors", box=box.SIMPLE_HEAD, title_justify="left", padding=0)
-    named = any(any(names) for names in impacts.names.values())
-    left = ["sensor", impacts.kind, *["chain"] * named]
-    forces = {name: [run.sensor_force(bead) for bead in beads[name]] for name, run in runs.items()}
-    later = any(_is_later(force) for found in forces.values() for force in found)
-    columns = ["first\nmaximum", "time", *["largest\nforce", "time"] * later]
-    for key in (*left, *columns):
-        table.add_column(key, justify="left" if key in left else "right", vertical="bottom")
-    for i in range(max(map(len, beads.values()))):
-        for label, names in impacts.names.items():
-            for chain, name in names.items():
-                if i >= len(beads[name]):
-                    continue
-                sensor = bead_label(runs[name].chain, beads[name][i])
-                entries = _entries(forces[name][i], runs[name].chain.units)
-                table.add_row(sensor, label, *[chain] * named, *entries[: len(columns)])
-        table.add_section()
-    return table
+    return bead_label(run.chain, bead)
 
 
 def forces_over_impacts(
     runs: Mapping[str, Run], beads: Mapping[str, Sequence[int]], impacts: Impacts
 ) -> dict[str, dict[str, list[float]]]:
     """First maxima in each sensor, by the names of sensors and chains; infinite if not known."""
-    from ..chain.bead_names import bead_label
-
     found: dict[str, dict[str, list[float]]] = {}
     if not all(beads.values()) or len({*map(len, beads.values())}) > 1:
         return found
     for i in range(len(next(iter(beads.values())))):
         # The same ball has another number in a chain with another number of strikers.
-        labels = dict.fromkeys(bead_label(run.chain, beads[name][i]) for name, run in runs.items())
+        labels = dict.fromkeys(_label(run, beads[name][i]) for name, run in runs.items())
         own = found.setdefault(" or ".join(labels), {})
         for names in impacts.names.values():
             for chain, name in names.items():
@@ -76,17 +84,12 @@ def _is_later(sensor: SensorForce) -> bool:
     return sensor.reached and sensor.largest_so_far_time != sensor.first_maximum_time
 
 
-def _entries(sensor: SensorForce, units: str) -> list[str]:
-    """First maximum and largest force, each with its time."""
+def _entries(sensor: SensorForce, units: str) -> tuple[str, str]:
+    """First maximum and largest force."""
     if not sensor.reached:
-        return ["not reached", NONE, NONE, NONE]
-    first = ["not complete", NONE]
-    if not math.isnan(sensor.first_maximum):
-        first = _with_time(sensor.first_maximum, sensor.first_maximum_time, units)
-    if not _is_later(sensor):
-        return [*first, NONE, NONE]
-    return [*first, *_with_time(sensor.largest_so_far, sensor.largest_so_far_time, units)]
-
-
-def _with_time(force: float, time: float, units: str) -> list[str]:
-    return [measure(force, "N", units, 5), measure(time, "s", units, 5)]
+        return "not reached", "not reached"
+    known = not math.isnan(sensor.first_maximum)
+    return (
+        measure(sensor.first_maximum, "N", units, 5) if known else "not complete",
+        measure(sensor.largest_so_far, "N", units, 5),
+    )

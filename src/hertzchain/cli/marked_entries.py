@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 NONE: Final = "-"
 OF_LAST_BEAD: Final = ("velocity of last bead", "momentum of last bead")
+# Beginnings of the columns of sensors.
+FIRST: Final = "first maximum in "
+LARGEST: Final = "largest in "
 # Sign of a force that is not a prediction.
 UNPREDICTED: Final = "?"
 
@@ -95,7 +98,7 @@ def _reason_of_dash(column: str, row: Mapping[str, str], at: AtPressures | None)
             "no right wall and no cap" if at is None
             else f"no peak at a yield pressure ({at.reason or 'not complete'})"
         )  # fmt: skip
-    if column.startswith("largest in "):
+    if column.startswith((FIRST, LARGEST)):
         return "no sensor in this bead"
     others = dict.fromkeys(OF_LAST_BEAD, "the pulse has not left the chain")
     others |= {"pressure/yield": "no known yield strength", "deepest dent": "no dents"}

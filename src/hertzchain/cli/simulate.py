@@ -10,7 +10,6 @@ import click
 from .chain_options import ChainOptions, chain_options
 from .chain_runs import runs_of
 from .compared_runs import compared_runs, peaks_of
-from .compared_sensors import sensor_table
 from .compared_yield import figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
@@ -183,7 +182,7 @@ def simulate(
 
     Several chain files are simulated one after another.  A table and --plot compare them.  If
     --speed or --height is repeated, the table has each chain at each speed or height, and --plot
-    shows the peaks over it.  A second table has the first maximum and its time in each sensor, and
+    shows the peaks over it.  The table has a column with the first maximum in each sensor, and
     --plot a panel for each.  Summaries are then printed only with an option such as --contacts.
 
     With --stream, trajectories are kept only on disk, in netCDF files, and memory does not
@@ -257,7 +256,8 @@ def simulate(
         compared = compared_runs(runs, others, yielding, beads, impacts, peaks)
         if not (impacts and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
-        _show_tables(compared, sensor_table(runs, beads, impacts), only=bool(impacts))
+        if compared is not None:
+            _show_table(*compared, only=bool(impacts))
     if not drawn:
         raise click.ClickException(NOTHING)
 
@@ -274,19 +274,13 @@ def _plot(
     return True
 
 
-def _show_tables(
-    compared: tuple[Table, list[str]] | None, of_sensors: Table | None, *, only: bool
-) -> None:
-    """Print the table of several chains, if there is one, its notes, and the table of sensors."""
-    if compared is not None:
-        if not only:
-            click.echo()
-        show_table(compared[0])
-        for note in compared[1]:
-            click.echo(note)
-    if of_sensors is not None:
+def _show_table(table: Table, notes: list[str], *, only: bool) -> None:
+    """Print the table of several chains and its notes."""
+    if not only:
         click.echo()
-        show_table(of_sensors)
+    show_table(table)
+    for note in notes:
+        click.echo(note)
 
 
 def _show(

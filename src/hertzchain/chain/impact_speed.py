@@ -1,12 +1,19 @@
-"""The velocity of the impact of a chain, replaced by another one."""
+"""The velocity of the impact of a chain, replaced by another one or by random ones."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Final
+
 import numpy as np
 
+from ..collision import Array
 from ..errors import InputError
-from ..validation.numbers import number
+from ..validation.numbers import FRACTION, number
 from .chain import Chain
+
+# Largest standard deviation of the logarithm of the speed.
+MAX_SCATTER: Final = 0.3
 
 
 def at_impact_speed(chain: Chain, speed: object, what: str = "speed") -> Chain:
@@ -29,3 +36,28 @@ def at_impact_speed(chain: Chain, speed: object, what: str = "speed") -> Chain:
         )
     value = number(what, speed, unit=chain._unit("m/s"), above=0.0)
     return chain.replace(velocities=np.where(moving, value, 0.0))
+
+
+def scatter_of_speed(what: str, value: object) -> float:
+    """Check a standard deviation of the logarithm of the speed."""
+    whole = isinstance(value, int | float) and MAX_SCATTER < value < 100.0 * MAX_SCATTER
+    hint = f"for a scatter of {value:g}%, give '{value:g}%'" if whole else ""
+    return number(what, value, unit=FRACTION, above=0.0, most=MAX_SCATTER, hint=hint)
+
+
+def check_impact(chain: Chain) -> None:
+    """Raise `InputError` unless the speed of the impact of a chain can vary."""
+    if chain.drive is not None or not chain.velocities.any():
+        has = "has a drive" if chain.drive is not None else "is at rest"
+        raise InputError(
+            f"a scatter of the speed requires an impact, but the chain {has}: omit the scatter of "
+            "the speed, or use a chain with a velocity"
+        )
+
+
+def at_other_speeds(chains: Sequence[Chain], spread: float, draws: Array) -> list[Chain]:
+    """The chains with log-normal speeds, whose random numbers are normal."""
+    return [
+        chain.replace(velocities=chain.velocities * factor)
+        for chain, factor in zip(chains, np.exp(spread * draws), strict=True)
+    ]

@@ -56,6 +56,14 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
     "gap is the absolute value of a normal variable with this standard deviation.",
 )
 @click.option(
+    "--speed-scatter",
+    "of_speed",
+    metavar="SCATTER",
+    help="Relative standard deviation of the speed of the impact, such as 0.02 or 2%, alone or in "
+    "addition.  That of the height of a fall is twice as large.  Logarithms are normally "
+    "distributed.",
+)
+@click.option(
     "--only",
     "some",
     metavar="BEADS",
@@ -73,13 +81,14 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @figure_option("Plot the distribution to FILE.")
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, gaps: str | None,
-    some: str | None, count: int, seed: int, quantity: str | None, until: str | None,
-    as_json: bool, as_csv: bool, plot: Path | None,
+    of_speed: str | None, some: str | None, count: int, seed: int, quantity: str | None,
+    until: str | None, as_json: bool, as_csv: bool, plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if sizes or gaps of balls scatter.
+    """Show how a quantity varies if sizes, gaps or speed scatter.
 
-    Many chains with random diameters or gaps are simulated, and the distribution of the quantity is
-    printed.  All chains have the materials, walls and impact of the given one.  If there is no
+    Many chains with random diameters, gaps or speeds are simulated, and the distribution of the
+    quantity is printed.  All chains have the materials and walls of the given one and, without
+    --speed-scatter, its speed of the impact.  If there is no
     striker, bead 1 is the projectile, and its mass scatters, too; use --only "2:" to keep the
     momentum of the impact.  Without simulations, `hertzchain pulse --method disorder` predicts mean
     and spread of the leading pulse.
@@ -90,18 +99,21 @@ def scatter(
           --speed "0.1 m/s" --wall same --scatter 1%
       hertzchain scatter chain.toml --grade 100 --quantity arrival@last --plot arrival.png
       hertzchain scatter chain.toml --gaps 5um
+      hertzchain scatter chain.toml --grade 100 --speed-scatter 2%
     """
     import hertzchain
 
+    from ..chain.impact_speed import scatter_of_speed
     from ..validation.numbers import whole_number
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     if relative is not None and grade is not None:
         raise click.UsageError("give --scatter, such as 1%, or --grade, such as 100, not both")
-    if relative is None and grade is None and gaps is None:
+    if all(each is None for each in (relative, grade, gaps, of_speed)):
         raise click.UsageError(
-            "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um"
+            "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um, or "
+            "--speed-scatter, such as 2%"
         )
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
@@ -109,7 +121,8 @@ def scatter(
     part = None if relative is None else _part(relative, chain)
     name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
     apart = None if gaps is None else length_from("--gaps", gaps, chain)
-    deviations = hertzchain.Scatter(part, grade, samples=count, beads=some, gaps=apart)
+    speed = None if of_speed is None else scatter_of_speed("--speed-scatter", as_typed(of_speed))
+    deviations = hertzchain.Scatter(part, grade, samples=count, beads=some, gaps=apart, speed=speed)
     with progress_bar("chains simulated") as progress:
         found = hertzchain.distribution(
             chain, name, deviations, until=end, seed=seed, progress=progress
@@ -137,7 +150,9 @@ def _part(text: str, chain: Chain) -> float:
 def _document(found: Distribution) -> dict[str, Any]:
     from ..validation.json_types import finite
 
+    given = {key: getattr(found.scatter, key) for key in ("radius", "grade", "gaps", "speed")}
     return {
+        "scatter": given,
         "quantity": found.quantity,
         "unit": found.unit,
         "nominal": found.nominal,

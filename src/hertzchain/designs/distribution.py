@@ -233,7 +233,7 @@ def distribution(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Distribution:
-    r"""Simulate chains with random deviations of the radii and gaps and collect a quantity.
+    r"""Simulate chains with random deviations of radii, gaps and speed, and collect a quantity.
 
     The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
     a grade of ISO 3290-1, uniformly distributed within its tolerance.  Materials, walls and the
@@ -241,6 +241,7 @@ def distribution(
     caps do not deviate.  Without strikers, bead 1 is the projectile: if its radius deviates, so do
     the momentum and energy of the impact.  To study the other beads only, use ``beads="2:"``.
     Random gaps are :math:`s |z|` with a standard normal :math:`z`, between beads that deviate.
+    A random speed of the impact is :math:`v e^{\sigma z}`.
 
     Values of a scaled chain are in the units of the chain without deviations.
 
@@ -256,7 +257,7 @@ def distribution(
     until : float or str, optional
         Stop time of the simulations; by default they end when the quantity is complete.
     seed : int
-        Seed of the random radii and gaps.
+        Seed of the random numbers.
     threads : int, optional
         Number of threads, by default one for each processor.
     progress : callable, optional

@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.impact_speed import at_other_speeds, check_impact, scatter_of_speed
 from ..chain.random_radii import (
     BALL_GRADES,
     check_scatter,
@@ -56,12 +57,15 @@ class Scatter:
     gaps : float or str, optional
         Scale s of the gaps between these beads [scaled, or m], such as ``"5 um"``, alone or in
         addition to deviations of the radii.
+    speed : float, optional
+        Standard deviation of the logarithm of the speed of the impact, such as 0.02 or ``"2%"``,
+        alone or in addition.  All velocities of a chain are multiplied by the same random factor.
 
     Examples
     --------
     >>> import hertzchain as hc
-    >>> hc.Scatter(radius=0.01, measure="cvar80")
-    Scatter(radius=0.01, grade=None, measure='cvar80', samples=40, beads=None, gaps=None)
+    >>> hc.Scatter(radius=0.01, measure="cvar80").statistic
+    'CVaR80'
     """
 
     radius: float | None = None
@@ -70,14 +74,18 @@ class Scatter:
     samples: int = 40
     beads: Any = None
     gaps: float | str | None = None
+    speed: float | None = None
 
     def __post_init__(self) -> None:
         both = self.radius is not None and self.grade is not None
-        if both or (self.radius is None and self.grade is None and self.gaps is None):
+        given = self.radius, self.grade, self.gaps, self.speed
+        if both or all(each is None for each in given):
             raise InputError(
                 "Scatter needs either radius, such as 0.01, or grade, such as 100, or only gaps, "
-                "such as '5 um'"
+                "such as '5 um', or speed, such as 0.02"
             )
+        if self.speed is not None:
+            object.__setattr__(self, "speed", scatter_of_speed("speed of a scatter", self.speed))
         if self.gaps is not None:
             # The chain, which is not known here, decides about the unit.
             checked_size_of_gaps("gaps of a scatter", self.gaps, "m")
@@ -134,19 +142,27 @@ class Scatter:
 
     def _check(self, chain: Chain) -> float | None:
         """Raise `InputError` if a chain cannot have the scatter; the size of the gaps."""
+        if self.speed is not None:
+            check_impact(chain)
         return check_scatter(chain, self.radius, self.grade, self.gaps, self.beads)
 
     def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
-        """Random numbers, shape (samples, beads, 2)."""
+        """Random numbers of radii, gaps and the speed, shape (samples, beads, 3)."""
         shape = (samples or self.samples, beads)
-        return random_draws(np.random.default_rng(seed), shape, self.grade, self.gaps)
+        rng = np.random.default_rng(seed)
+        draws = random_draws(rng, shape, self.grade, self.gaps)
+        # Those of radii and gaps do not depend on the speed, which is the same for all beads.
+        of_speed = np.zeros(shape[0]) if self.speed is None else rng.standard_normal(shape[0])
+        repeated = np.broadcast_to(of_speed[:, np.newaxis, np.newaxis], (*shape, 1))
+        return np.concatenate((draws, repeated), axis=-1)
 
     def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
         """The chain with deviations; a shorter chain has the first draws of each row."""
         gaps = self._check(chain)
-        return with_deviations(
+        chains = with_deviations(
             chain, draws[:, : chain.beads], self.radius, self.grade, gaps, self.beads
         )
+        return chains if self.speed is None else at_other_speeds(chains, self.speed, draws[:, 0, 2])
 
     def _in_words(self, units: str) -> str:
         """Such as ``1% scatter, random gaps (5 um)``."""
@@ -158,7 +174,8 @@ class Scatter:
         size = self.gaps
         if isinstance(size, float | int):
             size = with_unit(size, "m", units)
-        return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "")))
+        speed = "" if self.speed is None else f"speed +-{100.0 * self.speed:.3g}%"
+        return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "", speed)))
 
     @property
     def statistic(self) -> str:

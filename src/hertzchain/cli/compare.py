@@ -26,6 +26,7 @@ from .options import (
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
+from .wrapped_text import show_text
 
 if TYPE_CHECKING:
     from ..fitting.settings import Settings
@@ -131,7 +132,7 @@ def compare(
         lines = [*shown[:1], *lines, *shown[1:]] if found.exchanged else [*lines, *shown]
         if assumed := assumed_for_all(described):
             lines.append(on_command_line(f"note: {assumed}"))
-        click.echo("\n".join(lines))
+        show_text("\n".join(lines))
 
 
 def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Traces:

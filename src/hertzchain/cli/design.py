@@ -14,6 +14,7 @@ from .options import StrictCommand, check_writable, figure_option, json_option
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
+from .wrapped_text import show_text
 
 
 @click.command(cls=StrictCommand)
@@ -110,7 +111,7 @@ def design(
     if as_json:
         show_json(result.as_dict())
     else:
-        click.echo(on_command_line(result.summary()))
+        show_text(on_command_line(result.summary()))
     return DONE if met_if_yielding(result) else OUTSIDE_TOLERANCE
 
 

@@ -40,6 +40,7 @@ from .output import save_figure, show_json
 from .postponed_diagnosis import PostponedDiagnosis
 from .progress import progress_bar
 from .wording import on_command_line
+from .wrapped_text import show_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -236,7 +237,7 @@ def _written(
 
 def _show_first(result: FitResult, laws: str | None) -> FitResult:
     """Print the fit without a defect, and return it."""
-    click.echo(on_command_line("\n".join((*_summary(result, laws), *_pressures(result)))))
+    show_text(on_command_line("\n".join((*_summary(result, laws), *_pressures(result)))))
     return result
 
 

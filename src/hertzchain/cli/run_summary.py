@@ -23,6 +23,7 @@ from .hit_tables import second_hit_lines
 from .last_bead import body_as_dict, final_velocities, free_end_lines, last_bead_of
 from .output import show_table
 from .wording import on_command_line
+from .wrapped_text import show_text
 from .yield_range import Ends, range_as_dict, range_in_words, range_lines
 
 if TYPE_CHECKING:
@@ -131,27 +132,27 @@ def show_run(
     from .contact_tables import contact_table
     from .wave_tables import wave_table
 
-    click.echo(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
-    click.echo(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
-    click.echo(f"{len(run.times)} saved times, {run.evaluations} force evaluations")
+    show_text(f"{run.chain.description}{_impact(run.chain)}\n{on_command_line(run.message)}")
+    show_text(f"energy drift {run.energy_drift:.1e}, momentum drift {run.momentum_drift:.1e}")
+    show_text(f"{len(run.times)} saved times, {run.evaluations} force evaluations")
     if run._unfinished:
-        click.echo(
+        show_text(
             f"{run._unfinished}; to see the velocities after the impact, give a later "
             "time with --until"
         )
     for line in _striker_lines(run):
-        click.echo(line)
+        show_text(line)
     unchecked = contacts_without_strength(run.chain, run.largest_overlaps)
     dented = dents_in_words(run.chain, run._furthest_overlaps)
     remarks = [each for each in (dented, remark_on_overlaps(run)) if each]
     springs = elastic_springs(run.chain)
     for line in [*pressures_below_yield(run), *unchecked, *springs, *remarks]:
-        click.echo(line)
+        show_text(line)
     for wall in _walls(run):
-        click.echo(_wall_lines(run, wall))
+        show_text(_wall_lines(run, wall))
         if run.chain.cap is not None and wall.side == "right" and wall.first_contact_end:
             time = measure(wall.first_contact_end, "s", wall.units)
-            click.echo(
+            show_text(
                 f"  the cap leaves the wall at t = {time}, because walls do not pull; a cap that "
                 "is fixed to its cell then oscillates"
             )
@@ -159,14 +160,14 @@ def show_run(
     at_end = [*free_end_lines(run, beads), *_if_yielding(run, yielding)]
     at_end += second_hit_lines(run) if second else []
     for line in [*at_end, *final_velocities(run), *sensors, *range_lines(run, other, beads)]:
-        click.echo(line)
+        show_text(line)
     transits = transits_between_walls(run.chain, run._walls, run.end_time)
     if run.known_horizon is not None:
         later = "; later values are one of many possible outcomes"
         ends = math.isfinite(run.known_horizon.time)
-        click.echo(f"horizon: {run.known_horizon.message}{later if ends else ''}")
+        show_text(f"horizon: {run.known_horizon.message}{later if ends else ''}")
     elif transits > LONG_RUN:
-        click.echo(
+        show_text(
             f"the run lasts {transits:.3g} transits of the pulse: --horizon shows how long it is "
             "predictable"
         )

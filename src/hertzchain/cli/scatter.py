@@ -25,6 +25,7 @@ from .options import (
 from .output import save_figure, show_json
 from .progress import progress_bar
 from .wording import on_command_line
+from .wrapped_text import show_text
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -136,7 +137,7 @@ def scatter(
         click.echo(f"{found.quantity}{unit}")
         click.echo("\n".join(map(repr, found.values.tolist())))
     else:
-        click.echo(_table(found))
+        show_text(_table(found))
     return FAILED if found.failed else DONE
 
 

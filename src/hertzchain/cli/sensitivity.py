@@ -22,6 +22,7 @@ from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .pulse_tables import TABLE_ROWS
 from .wording import on_command_line
+from .wrapped_text import show_text
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -108,7 +109,7 @@ def sensitivity(
     if as_json:
         show_json(_document(found, measure, yielding, by, changes))
     else:
-        click.echo("\n".join(_lines(found, measure, yielding, by, changes)))
+        show_text("\n".join(_lines(found, measure, yielding, by, changes)))
         show_table(_table(chain, found, by, changes, every_bead))
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Final
 
-import click
-
 from .wording import on_command_line
+from .wrapped_text import show_text
 
 _shown: Final[dict[str, None]] = {}
 
@@ -18,7 +17,7 @@ def show_warning(message: Warning | str, *_: object, **__: object) -> None:
     """
     text = on_command_line(str(message))
     if text not in _shown:
-        click.echo(f"Warning: {text}", err=True)
+        show_text(f"Warning: {text}", err=True)
     _shown[text] = None
 
 

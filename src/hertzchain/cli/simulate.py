@@ -27,6 +27,7 @@ from .progress import progress_bar
 from .repeated_impacts import chains_at_impacts
 from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
 from .stream import check_stream_options, stream_into
+from .wrapped_text import show_text
 from .yield_range import second_run
 
 if TYPE_CHECKING:
@@ -280,7 +281,7 @@ def _show_table(table: Table, notes: list[str], *, only: bool) -> None:
         click.echo()
     show_table(table)
     for note in notes:
-        click.echo(note)
+        show_text(note)
 
 
 def _show(

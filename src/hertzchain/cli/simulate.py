@@ -257,8 +257,7 @@ def simulate(
         compared = compared_runs(runs, others, yielding, beads, impacts, peaks)
         if not (impacts and compared) or waves or contacts or budget or horizon or hits:
             _show(runs, others, yielding, beads, again if hits else {}, shown)
-        if compared is not None:
-            _show_table(*compared, only=bool(impacts))
+        _show_table(compared, only=bool(impacts))
     if not drawn:
         raise click.ClickException(NOTHING)
 
@@ -275,8 +274,11 @@ def _plot(
     return True
 
 
-def _show_table(table: Table, notes: list[str], *, only: bool) -> None:
-    """Print the table of several chains and its notes."""
+def _show_table(compared: tuple[Table, list[str]] | None, *, only: bool) -> None:
+    """Print the table of several chains, if there is one, and its notes."""
+    if compared is None:
+        return
+    table, notes = compared
     if not only:
         click.echo()
     show_table(table)

@@ -23,7 +23,7 @@ def show_text(text: str, *, err: bool = False) -> None:
 
 
 def wrapped(text: str, width: int) -> str:
-    """Lines of at most this width; what continues a line is indented by four more columns."""
+    """Lines of at most this width; continuation lines are indented by four more columns."""
     import textwrap
 
     lines = []

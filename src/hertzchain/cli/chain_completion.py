@@ -1,4 +1,4 @@
-"""Completion of names in the shell: materials, walls, laws of loss and tapers."""
+"""Completion of names in the shell: materials, walls, laws, tapers, grades and quantities."""
 
 from __future__ import annotations
 
@@ -40,3 +40,18 @@ def complete_tapers(_: Context, __: Parameter, incomplete: str) -> list[str]:
     from ..chain.tapers import TAPERS
 
     return _beginning(("uniform", *TAPERS, *SHAPES), incomplete)
+
+
+def complete_grades(_: Context, __: Parameter, incomplete: str) -> list[str]:
+    """Grades of balls that begin with the typed text, with a G if it has one."""
+    from ..chain.random_radii import BALL_GRADES
+
+    letter = incomplete[:1] if incomplete[:1] in ("G", "g") else ""
+    return _beginning((f"{letter}{grade}" for grade in BALL_GRADES), incomplete)
+
+
+def complete_measures(_: Context, __: Parameter, incomplete: str) -> list[str]:
+    """Quantities that begin with the typed text; those of a bead with the last one."""
+    from ..designs.measures import AT_BEAD, NAMES
+
+    return _beginning((f"{name}@last" if name in AT_BEAD else name for name in NAMES), incomplete)

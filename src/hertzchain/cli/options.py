@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import click
 
+from .chain_completion import complete_measures
+
 if TYPE_CHECKING:
     from ..chain.chain import Chain
     from ..designs.measures import Measure
@@ -324,6 +326,7 @@ def _usual_name(sensor: str) -> str:
 quantity_option = click.option(
     "--quantity",
     metavar="NAME",
+    shell_complete=complete_measures,
     help="The quantity, such as wall_force.peak.  Those of the last body of a free end are "
     "body_force.peak and body_force.acceleration.  Quantities of a bead have its place after @, as "
     "in velocity@20 and arrival@last; 'velocity@ball 19' does not count the strikers.  The force "

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from .chain_completion import complete_grades
 from .chain_options import ChainOptions, chain_from, chain_options
 from .exit_codes import DONE, FAILED
 from .options import (
@@ -46,6 +47,7 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--grade",
     type=Grade(),
+    shell_complete=complete_grades,
     help="Grade of the balls by ISO 3290-1, from 3 to 200 (or G3 to G200), instead of --scatter.  "
     "Diameters are uniformly distributed over the variation that the grade permits within a lot: "
     "0.5 um (nominal +-0.25 um) for grade 10, and 5 um for grade 100.",

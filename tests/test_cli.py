@@ -138,6 +138,14 @@ def test_a_plot_of_several_methods_has_their_differences(run, tmp_path):
         assert ("difference" in file.read_text()) is panel
 
 
+def test_plots_of_pulses_over_decades_are_logarithmic_unless_linear(run, tmp_path):
+    file = tmp_path / "pulse.svg"
+    chain = ("--taper", "backward-exponential", "--rate", 0.05, "--beads", 80, "--method", "bca")
+    for options, logarithmic in (((), True), (("--log",), True), (("--linear",), False)):
+        assert run("pulse", *chain, *options, "--plot", file)[0] == 0
+        assert ("<!-- 0.01 -->" in file.read_text()) is logarithmic
+
+
 def test_figures_have_the_width_of_a_journal(run, tmp_path):
     options = ("pulse", "--beads", 5, "--method", "bca")
     file = tmp_path / "pulse.svg"

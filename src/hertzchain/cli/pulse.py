@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -15,6 +16,8 @@ from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from ..chain.chain import Chain
     from ..pulse.comparison import Comparison
     from ..pulse.pulse import Pulse
@@ -88,7 +91,12 @@ def _method_help() -> str:
     type=Fraction(),
     help="The same for the Young's moduli, at most 10%.",
 )
-@click.option("--log", is_flag=True, help="Use a logarithmic y axis.")
+@click.option(
+    "--log/--linear",
+    default=None,
+    help="Scale of the y axis.  [default: logarithmic if velocities, momenta, energies, forces or "
+    "overlaps differ by a factor of 50 or more]",
+)
 @click.option("--all", "every_bead", is_flag=True, help="Show every bead in the table.")
 @json_option()
 @click.option("--csv", "as_csv", is_flag=True, help="Print everything as CSV.")
@@ -99,7 +107,7 @@ def _method_help() -> str:
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, rtol: float | None,
     scatter: str | None, modulus_scatter: float | None, every_bead: bool, as_json: bool,
-    as_csv: bool, plot: Path | None, log: bool,
+    as_csv: bool, plot: Path | None, log: bool | None,
 ) -> None:  # fmt: skip
     """Compute the leading pulse by one or several methods.
 
@@ -149,18 +157,7 @@ def pulse(
         found = {name: _with_quantity(each, quantity) for name, each in found.items()}
     pulses = [pulse for each in found.values() for pulse in each]
     if plot is not None:
-        from ..plotting.pulses import plot_pulses
-        from ..plotting.spreads import spread_of
-        from ..plotting.style import literal
-
-        labels = [
-            literal(name if len(each) == 1 else f"{name}, {pulse.method}")
-            for name, each in found.items() for pulse in each
-        ] if len(found) > 1 else None  # fmt: skip
-        spread = any(spread_of(each, quantity) is not None for each in pulses)
-        residuals = len(found) == 1 and (len(pulses) > 1 or spread)
-        axes = plot_pulses(pulses, quantity, labels=labels, log=log, residuals=residuals)
-        save_figure(axes, plot)
+        save_figure(_plotted(found, quantity, log), plot)
     more = [quantity] if quantity in ON_REQUEST else []
     if as_json:
         import json
@@ -171,6 +168,25 @@ def pulse(
     else:
         for each in found.values():
             _show_pulses(each, quantity, every_bead=every_bead)
+
+
+def _plotted(found: Mapping[str, Sequence[Pulse]], quantity: str, log: bool | None) -> Axes:
+    """Plot a quantity of the pulses of one or several chains."""
+    from ..plotting.decades import extends_over_decades
+    from ..plotting.pulses import plot_pulses
+    from ..plotting.spreads import spread_of
+    from ..plotting.style import literal
+
+    pulses = [pulse for each in found.values() for pulse in each]
+    labels = [
+        literal(name if len(each) == 1 else f"{name}, {pulse.method}")
+        for name, each in found.items() for pulse in each
+    ] if len(found) > 1 else None  # fmt: skip
+    spread = any(spread_of(each, quantity) is not None for each in pulses)
+    residuals = len(found) == 1 and (len(pulses) > 1 or spread)
+    if log is None:
+        log = extends_over_decades(pulses, quantity)
+    return plot_pulses(pulses, quantity, labels=labels, log=log, residuals=residuals)
 
 
 def _chosen(methods: tuple[str, ...]) -> list[str]:

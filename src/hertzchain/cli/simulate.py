@@ -106,8 +106,9 @@ SINGLE: Final = (
     "cap without a wall, also its force and acceleration.",
 )
 @figure_option(
-    "Plot velocities or, with --sensor, forces to FILE.  Of several "
-    "chains, the forces in sensors and on walls are plotted, or the leading pulses."
+    "Plot velocities or, with --sensor, forces to FILE.  Velocities that differ much from bead to "
+    "bead are divided by the largest one of the bead.  Of several chains, the forces in sensors "
+    "and on walls are plotted, or the leading pulses."
 )
 @click.option(
     "--animate",
@@ -410,6 +411,7 @@ def _drawn(
     A sensor in a cap without a wall is replaced by the whole force on it.  The figure of the forces
     of several runs has a title if elastic contacts are beyond yield.
     """
+    from ..plotting.decades import extends_over_decades, is_pale
     from ..plotting.labels import with_losses
     from ..plotting.pulses import plot_pulses
     from ..plotting.run_overview import plot_run_and_forces
@@ -425,9 +427,13 @@ def _drawn(
     shown = {name: _curves(run.chain, beads[name]) for name, run in runs.items()}
     if not others and not forces:
         places = next(iter(shown.values()))
-        return plot_run_and_forces(first, places) if places else first.plot()
+        if places:
+            return plot_run_and_forces(first, places)
+        return first.plot(relative=is_pale(first))
     if not all(shown.values()):
-        return plot_pulses([run.pulse() for run in runs.values()], labels=[*map(literal, runs)])
+        pulses = [run.pulse() for run in runs.values()]
+        log = extends_over_decades(pulses, "velocity")
+        return plot_pulses(pulses, labels=[*map(literal, runs)], log=log)
     if not others:
         return first.plot_forces(*shown.values())
     axes = plot_forces_of_runs(runs, shown)

@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 
 from ..simulation.run import Run
+from .decades import is_pale
 from .runs import plot_forces, plot_run
 from .style import figure_style
 from .widths import figure_size
@@ -25,7 +26,7 @@ def plot_run_and_forces(run: Run, places: Sequence[int | str]) -> Axes:
             layout="constrained",
         )[1]  # fmt: skip
         upper: Axes = plot_forces(run, places, ax=grid[0])
-        lower = plot_run(run, ax=grid[1])
+        lower = plot_run(run, relative=is_pale(run), ax=grid[1])
         lower.set_title("")
         lower.set_title("", loc="left")
         upper.set_xlabel("")

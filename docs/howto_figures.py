@@ -188,7 +188,7 @@ def gaps() -> Figure:
         delay.append(pulse.peak_time[79] - same.peak_time[79])
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.0, 3.0))
-        left.plot(widths, kept, "o-", color=COLOURS[1], markersize=3.5)
+        left.plot(widths, kept, "o-", color=COLOURS[1], markersize=3.5, label="simulation")
         left.axhline(0.98567886, color=COLOURS[2], linestyle="--", linewidth=1.0,
                      label="limit of a wide gap")  # fmt: skip
         left.legend(loc="upper right")
@@ -212,8 +212,9 @@ def dimer_pulses() -> Figure:
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.2, 3.2))
         series = ((1.0 + fine**3) * 2.0**1.5 / np.sqrt(2.0 * fine / (1.0 + fine))) ** 0.4
-        left.plot(fine, series, color=COLOURS[1])
-        left.plot(radii, times, MARKERS[0], color=COLOURS[2])
+        left.plot(radii, times, MARKERS[0], color=COLOURS[2], label="simulation")
+        left.plot(fine, series, color=COLOURS[1], label="formula")
+        left.legend(loc="upper right")
         left.set_xlabel("radius of the small beads")
         left.set_ylabel("time / time without them")
         for i, ratio in enumerate((0.342845, 0.2397, 0.58)):

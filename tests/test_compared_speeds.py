@@ -178,6 +178,21 @@ def test_each_speed_has_its_own_figure_of_peaks():
     assert axes.get_ylabel() == "peak force on the right wall [N]"
 
 
+@pytest.mark.parametrize(
+    ("soft", "name"), [(4.0, "2.8 $Y$: as elastic"), (3.9, "with yield, 2.8 $Y$")]
+)
+def test_the_legend_of_peaks_names_curves_with_yield_that_elastic_ones_cover(soft, name):
+    from hertzchain.plotting.peaks_over_impacts import plot_peaks
+
+    kept = (False, False, False)
+    axes = plot_peaks(
+        {"": [0.1, 0.2]}, {"": [2.0, 4.0]}, {"": [(1.5, 2.0), (3.0, soft)]}, {"": [kept, kept]},
+        factors=("1.6", "2.8"), where="the right wall", units="SI",
+    )  # fmt: skip
+    names = axes.get_legend_handles_labels()[1]
+    assert names[-2:] == ["with yield, 1.6 $Y$", name]
+
+
 def _sensor_force(speed, bead):
     """The force in a sensor and its first maximum on a fine grid of times."""
     chain = hc.Chain.from_materials(

@@ -52,13 +52,13 @@ for axes, (taper, rate) in zip(grid.flat, families.items()):
         "BCA": hc.bca(chains[taper]).velocity,
         "corrected": hc.modified_bca(chains[taper]).velocity,
     }
-    # The colours are those of the page on the reproduction.
-    styles = {"color": ("C1", "C3", "black"), "linestyle": ("-", "--", ":")}
+    # The page on the reproduction draws the printed formulas in the same way.
+    styles = {"color": ("C1", "C3", "C0"), "linestyle": ("-", "-.", "--")}
     for (name, velocity), *style in zip(candidates.items(), *styles.values()):
         error = 100 * (velocity / exact - 1)
         worst[taper, name] = abs(error[window]).max()
         axes.plot(beads[window], error[window], label=name, **dict(zip(styles, style)))
-    axes.axhline(0, color="0.6", linewidth=0.7)
+    axes.axhline(0, color="0.6", linewidth=0.7, zorder=1)
     axes.set_title(f"{taper}, rate {rate:g}")
 for axes in grid[1]:
     axes.set_xlabel("bead $k$")

@@ -369,11 +369,12 @@ def plot_design(result: DesignResult) -> Figure:
             width = NARROW_LABEL if narrow else LABEL
             axes.set_ylabel("\n".join(textwrap.fill(line, width) for line in lines))
         # The panel is lower than this line.
-        last.set_ylabel(
-            last.get_ylabel()
-            .replace("change [%], ", "change [%],\n")
-            .replace("change\u00a0[%], ", "change\u00a0[%],\n")
-        )
+        label = last.get_ylabel()
+        if narrow:
+            label = textwrap.fill(label.replace("\n", " "), NARROW_LABEL)
+        else:
+            label = label.replace("change\u00a0[%], ", "change\u00a0[%],\n")
+        last.set_ylabel(label)
         figure.draw_without_rendering()
         for row, axes in ((1, forces), (-1, last)):
             legend = axes.get_legend()

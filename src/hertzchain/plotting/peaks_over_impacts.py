@@ -60,7 +60,10 @@ def plot_peaks(
         values = {name: [own, *zip(*yielding.get(name, ()), strict=True)]
                   for name, own in peaks.items()}  # fmt: skip
         _draw_chains(axes, impacts, values, outside, heights=heights)
-        _name_lines(axes, factors, named=any(peaks), yields=bool(yielding),
+        names = {line: _name_with_yield(factor, values, i)
+                 for i, (line, factor) in enumerate(zip(LINES[1:], factors, strict=True), 1)
+                 if yielding}  # fmt: skip
+        _name_lines(axes, names, named=any(peaks),
                     hollow=any(np.any(each) for each in outside.values()))  # fmt: skip
         between = "\n" if others else " "
         axes.set_ylabel(f"peak force on{between}{where}{unit}")
@@ -138,6 +141,18 @@ def _same(one: Curve, other: Curve) -> bool:
     return np.allclose(values[0], others[0], rtol=0.0, atol=SAME * top, equal_nan=True)
 
 
+def _name_with_yield(
+    factor: str, values: Mapping[str, Sequence[Sequence[float]]], kind: int
+) -> str:
+    """Name of the curves with yield, which states if elastic ones cover them in all chains."""
+    pairs = [(each[0], each[kind]) for each in values.values() if len(each) > kind]
+    covered = all(np.allclose(own, other, rtol=SAME, atol=0.0) for own, other in pairs)
+    if not covered:
+        return f"with yield, {factor} $Y$"
+    # After the name of another line with yield, a short name leaves the legend narrow.
+    return f"{factor} $Y$: as elastic" if kind > 1 else f"with yield, {factor} $Y$: as elastic"
+
+
 def _panels(count: int) -> list[Axes]:
     """One axes, or panels below each other with a common x axis."""
     if count == 1:
@@ -186,16 +201,13 @@ def _draw_chain(
                   markerfacecolor=axes.get_facecolor(), zorder=3.0)  # fmt: skip
 
 
-def _name_lines(
-    axes: Axes, factors: tuple[str, str], *, named: bool, yields: bool, hollow: bool
-) -> None:
+def _name_lines(axes: Axes, names: Mapping[str, str], *, named: bool, hollow: bool) -> None:
     """Add the kinds of lines and of markers to the legend."""
     neutral = grey(axes, 0.4)
-    if yields and named:
+    if names and named:
         axes.plot([], [], LINES[0], color=neutral, label="elastic")
-    for line, factor in zip(LINES[1:], factors, strict=True):
-        if yields:
-            axes.plot([], [], line, color=neutral, label=f"with yield, {factor} $Y$")
+    for line, name in names.items():
+        axes.plot([], [], line, color=neutral, label=name)
     if hollow:
         label = f"no prediction: overlap / radius > {NO_PREDICTION:g}"
         axes.plot([], [], "o", color=neutral, markerfacecolor=axes.get_facecolor(), label=label)

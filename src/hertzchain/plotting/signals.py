@@ -143,6 +143,12 @@ def draw_crest(axes: Axes, times: Array, signal: Signal, curve: Array, name: str
     draw_data_and_curve(axes, times[shown], data, curve[shown], name)
     narrow = axes.get_figure(root=True).get_figwidth() < NARROW  # type: ignore[union-attr]
     axes.locator_params(axis="x", nbins=1 if narrow else 3, min_n_ticks=2)
+    if narrow:
+        # Numbers of three digits would touch each other.
+        left, right = axes.get_xlim()
+        inside = [each for each in axes.get_xticks() if left <= each <= right]
+        axes.set_xticks([inside[0], inside[-1]])
+        axes.set_xlim(left, right)
     axes.locator_params(axis="y", nbins=3, min_n_ticks=2)
 
 

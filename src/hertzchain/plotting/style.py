@@ -50,7 +50,7 @@ INCHES_PER_LETTER: Final = 0.07
 MAX_PLAIN: Final = 100.0
 LOG_DIGITS: Final = (
     (3.0, (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)),
-    (6.0, (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)),
+    (6.0, (1.0, 2.0, 3.0, 5.0, 7.0)),
     (MAX_PLAIN, (1.0, 2.0, 5.0)),
 )
 # Height of a figure of two panels in a journal relative to one panel, and least size of letters.

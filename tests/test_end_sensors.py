@@ -1,6 +1,8 @@
 """Sensors in beads at ends without walls, on which a drive or the precompression acts."""
 
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -124,3 +126,17 @@ def test_the_summary_states_a_free_face(run):
     assert shown.count("the free face has none: the force on the body is twice this") == 1
     sensors = json.loads(run(*row, "--sensor", "cap", "--sensor", "3", "--json")[1])["sensors"]
     assert [each["free_face"] for each in sensors] == [True, False]
+
+
+def test_the_numbers_of_forces_as_json_are_documented(run):
+    row = ["simulate", "--material", "steel-52100", "--diameter", "10 mm", "--beads", "6",
+           "--wall", "same", "--speed", "0.1 m/s", "--sensor", "3", "--contacts"]  # fmt: skip
+    found = json.loads(run(*row, "--json")[1])
+    table = (Path(__file__).parents[1] / "docs/reference/json.md").read_text(encoding="utf-8")
+    named = set(
+        re.findall(r"`(\w+)`", table.split("## `hertzchain simulate --json`")[1].split("\n## ")[0])
+    )
+    for name in ("walls", "sensors", "materials", "contacts"):
+        assert set(found[name][0]) <= named, name
+    free = json.loads(run(*[each for each in row if each not in ("--wall", "same")], "--json")[1])
+    assert set(free["last_bead_force"]) <= named

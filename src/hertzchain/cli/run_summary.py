@@ -274,14 +274,15 @@ def _material(chain: Chain, side: Side) -> str | None:
 
 
 def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
-    """All fields except the trace; null for a number that does not exist."""
+    """All public fields except the trace; null for a number that does not exist."""
     from ..simulation.sensor_passages import passages_if_saved
     from ..simulation.wall_force import WallForce
     from ..simulation.waves import DIRECTIONS
     from ..validation.json_types import finite
 
     arrays = ("times", "force", "velocity")
-    found = {name: value for name, value in vars(force).items() if name not in arrays}
+    public = {name: value for name, value in vars(force).items() if not name.startswith("_")}
+    found = {name: value for name, value in public.items() if name not in arrays}
     found["reached"] = force.reached
     if isinstance(force, WallForce):
         found |= {"duration": force.duration, "excess_impulse": force.excess_impulse}

@@ -295,6 +295,19 @@ def test_the_bound_of_later_forces_never_grows(seed):
     ).all()
 
 
+def test_the_bound_is_at_least_the_force_at_the_end():
+    # Odd balls behind a gap: their weak second impact ends the run while its force decreases.
+    masses = [1.6, 3.7, 2.4, 5.9, 1.0, 5.8, 0.4, 3.6, 15.7]
+    chain = hc.Chain.from_radii(np.cbrt(masses)).replace(right_wall=hc.Wall())
+    whole = hc.simulate(chain, until=60.0, times=6000)
+    force, times = whole.wall_force().force, whole.wall_force().times
+    falling = np.flatnonzero((np.diff(force) < 0.0) & (force[:-1] > 0.0))
+    for i in falling[:: max(1, falling.size // 12)]:
+        wall = hc.simulate(chain, until=times[i], times=2)._wall_force("right")
+        assert wall.proven
+        assert wall.bound >= force[i:].max() * (1.0 - 1e-9)
+
+
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_reasons_for_incomplete_peaks():
     early = hc.simulate(uniform(gravity=-0.003), until=23.3, times=0)._wall_force("right")

@@ -94,8 +94,9 @@ class WallForce(Compared):
     largest_so_far, largest_so_far_time : float
         Largest force of the run and its time, complete or not.
     bound : float
-        Upper bound of all forces after the end of the run.  If it is not ``proven``, beads that
-        move away from the wall and are turned back later are not included.
+        Upper bound of all forces after the end of the run: of later maxima or, if it is larger,
+        the force at the end.  If it is not ``proven``, beads that move away from the wall and are
+        turned back later are not included.
     momentum_on_its_way, energy_on_its_way : float
         Momentum of the motion towards the wall at the end of the run, and energy that can still
         reach the wall [scaled, or N s and J].
@@ -293,7 +294,8 @@ def wall_force_of(
         complete_since=since if ended else None,
         largest_so_far=peak,
         largest_so_far_time=time,
-        bound=bound,
+        # The bound is one of maxima; a force that falls at the end of the run can be above it.
+        bound=max(bound, force),
         momentum_on_its_way=momentum,
         energy_on_its_way=energy,
         touches=int(touches) if reached else 0,

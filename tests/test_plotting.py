@@ -34,7 +34,7 @@ from hertzchain.plotting.runs import (
     section_ends,
 )
 from hertzchain.plotting.signals import draw_crest, draw_signal
-from hertzchain.plotting.style import figure_bytes
+from hertzchain.plotting.style import figure_bytes, label_log_axis
 from hertzchain.plotting.titles import chain_title
 from hertzchain.store.sweep_store import MISSING
 
@@ -831,6 +831,29 @@ def test_a_crest_with_few_samples_says_so():
     axes = plt.figure().subplots()
     draw_crest(axes, times, signal, data, "fit")
     assert [text.get_text() for text in axes.texts] == ["too few\nsamples"]
+
+
+def test_numbers_below_the_crests_of_narrow_figures_do_not_touch():
+    times = np.arange(282.0, 314.0)
+    data = 1.25 - ((times - 297.0) / 30.0) ** 2
+    signal = hc.Traces.from_arrays(times, {"wall [N]": data}, noise=0.01).shots[0].signals[0]
+    with hc.figure_style("single column"):
+        axes = plt.figure().subplots()
+        whole = np.concatenate([[0.0], data[1:-1], [0.0]])
+        draw_crest(axes, times, signal, whole, "fit")
+    left, right = axes.get_xlim()
+    assert (left <= axes.get_xticks()).all()
+    assert (axes.get_xticks() <= right).all()
+    assert len(axes.get_xticks()) == 2
+
+
+@pytest.mark.parametrize(("low", "high", "shown"), [(0.09, 0.52, {0.1, 0.2, 0.3, 0.5})])
+def test_logarithmic_axes_of_less_than_a_decade_have_a_tick_at_5(low, high, shown):
+    axes = plt.figure().subplots()
+    axes.set(xscale="log", xlim=(low, high))
+    label_log_axis(axes.xaxis)
+    ticks = {round(each, 6) for each in axes.get_xticks() if low <= each <= high}
+    assert ticks == shown
 
 
 def test_the_legend_of_bands_covers_none():

@@ -147,7 +147,7 @@ def draw_crest(axes: Axes, times: Array, signal: Signal, curve: Array, name: str
         # Numbers of three digits would touch each other.
         left, right = axes.get_xlim()
         inside = [each for each in axes.get_xticks() if left <= each <= right]
-        axes.set_xticks([inside[0], inside[-1]])
+        axes.set_xticks([*inside[:1], *inside[1:][-1:]])
         axes.set_xlim(left, right)
     axes.locator_params(axis="y", nbins=3, min_n_ticks=2)
 

@@ -187,6 +187,21 @@ def test_losses_and_gaps_are_compared_with_the_prediction(sheet):
     assert earlier == pytest.approx(-delays, abs=0.11)
 
 
+def test_delays_by_gaps_are_those_of_the_first_maxima(sheet):
+    """The two contacts of a ball between gaps act one after the other, with similar forces."""
+    table = answers.causes(sheet)
+    assert table.caption.endswith("delays of the first maxima")
+    still = CELL.strikers + np.arange(CELL.beads - 3)
+    apart = CELL.replace(gaps=np.isin(np.arange(CELL.beads - 1), still) * 1e-5,
+                         velocities=sheet.speeds[1] * (CELL.velocities > 0))  # fmt: skip
+    run = hc.simulate(apart, times=20001)
+    ball = CELL.strikers + 6
+    behind, ahead = (run.times[run.force(k).argmax()] for k in (ball - 1, ball))
+    delay = effects(table.rows[2])[1, 0]
+    assert delay == pytest.approx(1e6 * (behind - sheet.times[1, 0]), abs=0.3)
+    assert ahead - behind > 50e-6
+
+
 def test_gaps_are_compared_with_the_losses_of_the_chain():
     """Also of a load cell with a law of its own, and from a row that has gaps."""
     cell = hc.Wall("40 kN/mm", exponent=1, loss=hc.Elastic())

@@ -182,7 +182,7 @@ def causes(sheet: LabSheet) -> Table | None:
     if not rows and not notes:
         return None
     caption = (f"Forces at {1e3 * sheet.speeds[middle]:.4g} mm/s, relative to the predictions, and "
-               "delays of the largest forces")  # fmt: skip
+               "delays of the first maxima")  # fmt: skip
     return Table(caption, ("change", *names(sheet)), tuple(rows), tuple(notes))
 
 

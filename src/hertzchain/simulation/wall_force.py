@@ -294,8 +294,7 @@ def wall_force_of(
         complete_since=since if ended else None,
         largest_so_far=peak,
         largest_so_far_time=time,
-        # The bound is one of maxima; a force that falls at the end of the run can be above it.
-        bound=max(bound, force),
+        bound=max(bound, force),  # a falling force can exceed the bound of maxima
         momentum_on_its_way=momentum,
         energy_on_its_way=energy,
         touches=int(touches) if reached else 0,

@@ -41,6 +41,45 @@ def test_a_transmitted_wave_that_has_not_passed_is_named():
     assert early.transmitted_energy < 0.96 * late.transmitted_energy
 
 
+@pytest.fixture(scope="module")
+def train():
+    """Waves beyond a step to smaller beads follow each other ever more slowly."""
+    chain = hc.Chain.from_radii(np.where(np.arange(160) < 60, 1.0, 0.5))
+    return hc.simulate(chain, until=150.0, times=6000)
+
+
+def test_a_momentum_that_has_not_passed_is_named_when_it_is_read(train):
+    early = train.reflection(50, 75, until=90.0)
+    assert early.transmitted_energy > 0.95  # so that there is no other warning
+    said = "transmitted momentum, 0.76.*, is not complete: .* contact 75 at t = 90; simulate for"
+    with pytest.warns(hc.IncompleteWarning, match=said):
+        momentum = early.transmitted_momentum
+    assert "(not complete), " in repr(early).splitlines()[2]
+    assert "transmitted momentum is not complete" in early._repr_html_()
+    # The two contacts are open then, so that the beads between them have all of the rest.
+    assert momentum + early.momentum_on_its_way[1] == pytest.approx(1.0, abs=2e-3)
+    assert early.kept_momentum == pytest.approx(early.momentum_on_its_way[1], abs=2e-3)
+    late = train.reflection(50, 75)
+    assert late.transmitted_momentum == pytest.approx(0.9813, abs=1e-4)
+    assert "not complete" not in repr(late)
+
+
+def test_sweeps_mark_momenta_that_are_not_complete():
+    names = ["transmitted_momentum", "transmitted_energy", "kept_momentum"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", hc.IncompleteWarning)
+        found = hc.sweep({
+            "chain": {"radii": 1.0, "beads": 160}, "axes": {"radii.61-160": [0.5, 0.9]},
+            "sweep": {"methods": ["simulate"], "keep": [f"reflection.{n}@50-75" for n in names]},
+            "method": {"until": 110.0},
+        }).sel(approach="simulate")  # fmt: skip
+    assert found.incomplete.values.tolist() == [True, False]
+    assert np.isnan(found.transmitted_momentum_50_75.values).tolist() == [True, False]
+    assert found.transmitted_energy_50_75.values == pytest.approx([0.9907, 0.9993], abs=1e-4)
+    assert found.kept_momentum_50_75.values == pytest.approx([0.1117, 0.0431], abs=1e-4)
+    assert "transmitted momentum, 0.8883, is not complete" in found.reason.values[0]
+
+
 def test_sweeps_give_the_reason():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

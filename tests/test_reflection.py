@@ -192,7 +192,8 @@ def test_momentum_that_belongs_to_no_wave_is_announced(monkeypatch):
     with pytest.warns(hc.InputWarning, match="of the incident momentum passes one of the contacts"):
         found = run.reflection(50, 75)
     lost = np.trapezoid(run.forces[:, 75], run.times) / found.incident.impulse
-    assert found.missing_momentum == pytest.approx(lost - found.transmitted_momentum, abs=1e-3)
+    with pytest.warns(hc.IncompleteWarning, match="transmitted momentum, 0.8"):
+        assert found.missing_momentum == pytest.approx(lost - found.transmitted_momentum, abs=1e-3)
     assert "unexplained 0." in repr(found)
 
 
@@ -204,7 +205,10 @@ def test_a_wave_to_the_left_is_reflected_like_its_mirror_image():
     )  # fmt: skip
     there = hc.simulate(chain, until=140.0, times=2000).reflection(50, 75)
     again = hc.simulate(mirrored, until=140.0, times=2000).reflection(70, 45)
-    for name in ("reflected_energy", "transmitted_energy", "reflected_momentum", "kept_energy"):
+    for each, contact in ((there, 50), (again, 70)):
+        with pytest.warns(hc.IncompleteWarning, match=f"0.1694 .* towards contact {contact} at"):
+            assert each.reflected_momentum == pytest.approx(0.7828, abs=1e-4)
+    for name in ("reflected_energy", "transmitted_energy", "kept_momentum", "kept_energy"):
         assert getattr(there, name) == pytest.approx(getattr(again, name), abs=1e-6)
 
 

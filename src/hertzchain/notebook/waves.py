@@ -106,9 +106,10 @@ def reflection_html(found: Reflection) -> str:
         (name, f"{len(events)}", *(f"{part:.4f}" for part in parts))
         for name, events, parts in (
             ("reflected", found.reflected, (
-                found.reflected_energy, found.reflected_momentum, found.reflected_force)),
+                found.reflected_energy, found._momenta["reflected"], found.reflected_force)),
             ("transmitted", found.transmitted, (
-                found.transmitted_energy, found.transmitted_momentum, found.transmitted_force)),
+                found.transmitted_energy, found._momenta["transmitted"],
+                found.transmitted_force)),
         )
     ]  # fmt: skip
     shown = {
@@ -126,6 +127,11 @@ def reflection_html(found: Reflection) -> str:
         table(("", "waves", "energy", "momentum", "largest force"), rows, numeric=True),
         numbers(shown), note("Parts are relative to the incident wave."),
     ]  # fmt: skip
+    if late := [part for part in found._momenta if found._coming(part)]:
+        parts.append(note(
+            f"The {' and the '.join(late)} momentum {'is' if len(late) == 1 else 'are'} not "
+            "complete: slow beads still carry momentum towards the contacts."
+        ))  # fmt: skip
     if found.disturbed:
         parts.append(note("The count ended because another wave entered."))
     about = f"between contacts {found.before} and {found.after}: {found.chain.description}"

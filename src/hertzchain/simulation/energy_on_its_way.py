@@ -1,4 +1,4 @@
-"""Energy between two contacts, and the part of it that still moves towards one of them."""
+"""Energy and momentum between two contacts, and the part that still moves towards one of them."""
 
 from __future__ import annotations
 
@@ -59,6 +59,18 @@ def _coming(run: Trajectory, found: Reflection) -> tuple[float, float]:
     saved = _saved(run, np.array([found.until]))[0]
     onward = run.velocities[saved, low:high] * found.incident.direction > 0.0
     return float(energies[~onward].sum()), float(energies[onward].sum())
+
+
+def momentum_on_its_way(run: Trajectory, found: Reflection) -> tuple[float, float]:
+    """Momentum that moves towards ``before`` and ``after`` at the end, over the incident one."""
+    low, high = sorted((found.before, found.after))
+    saved = _saved(run, np.array([found.until]))[0]
+    momenta = (run.chain.masses * run.velocities[saved])[low:high]
+    onward = momenta * found.incident.direction > 0.0
+    back, on = (float(np.abs(momenta[part]).sum()) for part in (~onward, onward))
+    back, on = back / found.incident.impulse, on / found.incident.impulse
+    # A wall or a free end reflects all of it.
+    return (back + on, 0.0) if found.after in (0, run.chain.beads) else (back, on)
 
 
 def _saved(run: Trajectory, times: Array) -> Array:

@@ -13,7 +13,7 @@ from ..chain.chain import Chain
 from ..errors import IncompleteWarning, InputError, InputWarning, SimulationError, warn_user
 from ..representation import measure
 from ..validation.numbers import number, whole_number
-from .energy_on_its_way import LEAST, Incomplete, energy_between, incomplete
+from .energy_on_its_way import LEAST, Incomplete, energy_between, incomplete, momentum_on_its_way
 from .reflection import Reflection
 from .trajectory import Trajectory
 from .wave_events import (
@@ -138,6 +138,7 @@ def reflection_of(
     found = _between(self, (first, second), incident, near, far, stop)
     _check_rarefactions(self, found)
     _check_count(self, found)
+    found = dataclasses.replace(found, momentum_on_its_way=momentum_on_its_way(self, found))
     nearby = _neighbours(self, found, far, stop) if self.chain.lossless else []
     if nearby:
         found = dataclasses.replace(found, nearby_energy=(min(nearby), max(nearby)))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from ..chain.chain import Chain
+from ..errors import IncompleteWarning, InputWarning, warn_user
 from ..frozen import Compared
 from ..representation import counted, measure
 from ..validation.keywords import checked_methods
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 SHOWN: Final = 1e-3
 # Differences of coefficients of energy between neighbouring contacts that are shown.
 WIDE: Final = 5e-3
+# Momentum that may be on its way to a contact, relative to the momentum counted there and, at
+# least, to the incident momentum: slow beads behind a pulse carry some of it for a long time.
+SLOW, LEAST_SLOW = 0.1, 0.02
 
 
 @checked_methods
@@ -68,6 +72,11 @@ class Reflection(Compared):
         incident energy: of at most 5% in total before the incident wave had left, and waves of
         less than 1% each at any time.  It leaves with the counted waves, which limits the error of
         the coefficients of energy to this size.
+    momentum_on_its_way : tuple of float
+        Momentum of the beads between the contacts that move towards ``before`` and towards
+        ``after`` at ``until``, relative to the incident momentum.  If it exceeds 10% of
+        `reflected_momentum` or `transmitted_momentum`, these are not complete, and reading them
+        issues an `IncompleteWarning`, or an `InputWarning` if another wave ended the count.
     nearby_energy : tuple of float
         Smallest and largest coefficient R of energy at the 6 contacts in front of ``before``, or
         at those beyond it if only their median agrees with R.  In dimers, weak waves that meet
@@ -99,6 +108,7 @@ class Reflection(Compared):
     stored_energy: float = 0.0
     missing_momentum: float = 0.0
     entered_energy: float = 0.0
+    momentum_on_its_way: tuple[float, float] = (0.0, 0.0)
     nearby_energy: tuple[float, float] = (math.nan, math.nan)
 
     @property
@@ -114,12 +124,14 @@ class Reflection(Compared):
     @property
     def reflected_momentum(self) -> float:
         """Reflected momentum relative to the incident momentum, positive."""
-        return sum(event.impulse for event in self.reflected) / self.incident.impulse
+        self._warn_incomplete("reflected")
+        return self._momenta["reflected"]
 
     @property
     def transmitted_momentum(self) -> float:
         """Transmitted momentum relative to the incident momentum."""
-        return sum(event.impulse for event in self.transmitted) / self.incident.impulse
+        self._warn_incomplete("transmitted")
+        return self._momenta["transmitted"]
 
     @property
     def kept_momentum(self) -> float:
@@ -130,7 +142,7 @@ class Reflection(Compared):
         carry much momentum but little energy, so that momenta converge much later than energies:
         state ``until`` with them.
         """
-        return 1.0 + self.reflected_momentum - self.transmitted_momentum
+        return 1.0 + self._momenta["reflected"] - self._momenta["transmitted"]
 
     @property
     def reflected_force(self) -> float:
@@ -196,6 +208,40 @@ class Reflection(Compared):
         return pd.DataFrame(rows)
 
     @property
+    def _momenta(self) -> dict[str, float]:
+        """Coefficients of momentum, complete or not."""
+        parts = {"reflected": self.reflected, "transmitted": self.transmitted}
+        return {
+            name: sum(event.impulse for event in events) / self.incident.impulse
+            for name, events in parts.items()
+        }
+
+    def _coming(self, part: str) -> float:
+        """Momentum on its way to the contact of a part, if it is relevant; 0 otherwise."""
+        coming = self.momentum_on_its_way[part == "transmitted"]
+        return coming if coming > max(SLOW * self._momenta[part], LEAST_SLOW) else 0.0
+
+    def _warn_incomplete(self, part: str) -> None:
+        """Warn if beads still carry a relevant momentum towards the contact."""
+        if not (coming := self._coming(part)):
+            return
+        later = "simulate for longer, or state until and kept_momentum with it"
+        if self.disturbed:
+            later = "another wave enters then; choose contacts nearer to the object between them"
+        warn_user(
+            f"the {part} momentum, {self._momenta[part]:.4f}, is not complete: beads between the "
+            f"contacts still carry {coming:.4f} of the incident momentum towards contact "
+            f"{self.after if part == 'transmitted' else self.before} at t = "
+            f"{measure(self.until, 's', self.chain.units, 6)}; {later}",
+            InputWarning if self.disturbed else IncompleteWarning,
+        )
+
+    def _momentum_in_words(self, part: str) -> str:
+        """Such as ``momentum 0.7641 (not complete)``."""
+        state = " (not complete)" if self._coming(part) else ""
+        return f"momentum {self._momenta[part]:.4f}{state}"
+
+    @property
     def _nearby(self) -> str:
         """Range of R at neighbouring contacts, if it is wide or does not include that here."""
         (low, high), here = self.nearby_energy, self.reflected_energy
@@ -221,10 +267,10 @@ class Reflection(Compared):
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
             f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
-            f"    reflected energy {self.reflected_energy:.4f}{self._nearby}, momentum "
-            f"{self.reflected_momentum:.4f}, {counted(len(self.reflected), 'wave')};\n"
-            f"    transmitted energy {self.transmitted_energy:.4f}, momentum "
-            f"{self.transmitted_momentum:.4f}, {counted(len(self.transmitted), 'wave')}; "
+            f"    reflected energy {self.reflected_energy:.4f}{self._nearby}, "
+            f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')};\n"
+            f"    transmitted energy {self.transmitted_energy:.4f}, "
+            f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}; "
             f"momentum kept {self.kept_momentum:.4f})"
         )
 

@@ -55,6 +55,13 @@ def test_a_scatter_given_by_position_beside_a_seed():
         BALLS.with_scatter(0.01, seed=1)
 
 
+@pytest.mark.parametrize(("scatter", "shown"), [(2, "'2%'"), (0.02, "0.02"), ("2%", "'2%'")])
+def test_a_scatter_given_by_position_is_suggested_as_one_that_is_accepted(scatter, shown):
+    with pytest.raises(hc.InputError, match=f"such as relative={shown};"):
+        BALLS.with_scatter(0, scatter)
+    assert BALLS.with_scatter(0, relative="2%") == BALLS.with_scatter(0, relative=0.02)
+
+
 def test_an_argument_given_by_position_and_keyword_is_named():
     with pytest.raises(
         hc.InputError, match="with_cap: the first argument is mass, .*; give others"

@@ -136,7 +136,7 @@ def test_real_chains_walls_and_losses():
 
 @pytest.mark.filterwarnings("ignore::hertzchain.errors.InputWarning")
 def test_reflections_and_largest_velocities_are_those_of_runs():
-    keep = ["reflection.reflected_energy@18-42", "transmitted_momentum@18-42",
+    keep = ["reflection.reflected_energy@18-42", "kept_momentum@18-42",
             "largest_velocity@30",
             "largest_energy@ball 40"]  # fmt: skip
     found = hc.sweep({
@@ -149,7 +149,7 @@ def test_reflections_and_largest_velocities_are_those_of_runs():
         run = hc.simulate(chain, until=80.0, times=4000)
         defect = run.reflection(18, 42)
         assert found.reflected_energy_18_42[i] == pytest.approx(defect.reflected_energy)
-        assert found.transmitted_momentum_18_42[i] == pytest.approx(defect.transmitted_momentum)
+        assert found.kept_momentum_18_42[i] == pytest.approx(defect.kept_momentum)
         # Those that gradients locate within the steps.
         for name, bead, kept in (("velocity", 30, found.largest_velocity_30),
                                  ("energy", 40, found.largest_energy_ball_40)):  # fmt: skip
@@ -781,8 +781,8 @@ def test_curves_and_maps():
         plot_sweep(found, "momentum", levels=[1.0])
     with pytest.raises(hc.InputError, match="no remaining axis to plot along; omit rate or beads"):
         plot_sweep(found, "momentum", rate=0.02, beads=20)
-    with pytest.warns(hc.InputWarning, match="beads = 21 is not .* the nearest, 20, is plotted"):
-        assert "beads = 20" in plot_sweep(found, "momentum", beads=21).get_title()
+    with pytest.raises(hc.InputError, match="beads is 21, which is not a .*; the nearest is 20"):
+        plot_sweep(found, "momentum", beads=21)
     with pytest.raises(hc.InputError, match="rate must be at least 0.02 and at most 0.08, got 2"):
         plot_sweep(found, "momentum", rate=2)
     with pytest.raises(hc.InputError, match="unknown dimension of momentum 'baeds'"):
@@ -941,7 +941,7 @@ def test_tables_begin_with_where_and_end_with_how_it_went():
 
 @pytest.mark.parametrize(("at", "told"), [
     ({"rate": 0.03}, "rate = 0.03 is not a value of this sweep; the nearest, 0.02, is plotted"),
-    ({"beads": 11}, "beads = 11 is not a value of this sweep; the nearest, 10, is plotted"),
+    ({"exponent": 1.6}, "exponent = 1.6 is not .* of this sweep; the nearest, 1.5, is plotted"),
 ])  # fmt: skip
 def test_the_nearest_value_of_an_axis_is_plotted_with_a_warning(at, told):
     axes = {"rate": [0.02, 0.05], "beads": [10, 20], "exponent": [1.5, 2.0]}
@@ -951,6 +951,17 @@ def test_the_nearest_value_of_an_axis_is_plotted_with_a_warning(at, told):
     ((name, value),) = at.items()
     nearest = found[name].values[0]
     assert f"= {nearest:g}" in plot_sweep(found, **{name: nearest}).get_title(), value
+
+
+@pytest.mark.parametrize(("at", "error"), [
+    ({"beads": 11}, "beads is 11, which is not a value of this sweep; the nearest is 10"),
+    ({"with_scatter.seed": 3}, "seed is 3, which is not a value of this sweep; the nearest is 2"),
+])  # fmt: skip
+def test_whole_numbers_have_no_nearest_value(at, error):
+    axes = {"rate": [0.02, 0.05], "beads": [10, 20], "with_scatter.seed": [1, 2, 7]}
+    chain = {"taper": "forward-exponential", "with_scatter": {"relative": 0.01}}
+    with pytest.raises(hc.InputError, match=error):
+        plot_sweep(swept(chain, axes, at="last"), **at)
 
 
 def test_the_time_for_compiling_is_not_part_of_an_estimate(monkeypatch):
@@ -1264,11 +1275,16 @@ def test_axes_of_single_values_need_no_list(chain, axis, same, values):
 @pytest.mark.parametrize(
     ("chain", "message"),
     [
-        ({"taper": "uniform"}, "[chain] has no list radii: list the radii"),
+        ({"taper": "uniform", "beads": 160}, "[chain] has no list radii: list the radii, or write "
+         "radii = 1.0 and beads = 160 instead of the taper"),
+        ({"taper": "uniform", "radius": "5 mm", "materials": "ptfe", "beads": 9},
+         "[chain] has no list radii: list the radii, or write radii = '5 mm' and beads = 9 instead "
+         "of the taper"),
         ({"diameters": "5 mm", "beads": 9, "materials": "ptfe"},
          "[chain] has no list radii: list the radii, or vary diameters.5"),
         ({"radii": "5 mm", "materials": "ptfe"},
-         "[chain] has one value of radii, '5 mm', for all: list the radii"),
+         "[chain] has one value of radii, '5 mm', for all: list the radii, or give beads, the "
+         "number of equal beads"),
     ],
 )  # fmt: skip
 def test_errors_about_missing_lists_name_only_their_axis(chain, message):

@@ -208,7 +208,8 @@ def merge(into: Path, stores: tuple[Path, ...], skip_damaged: bool, as_json: boo
     multiple=True,
     metavar="NAME=VALUE",
     help="Value along another dimension, such as bead=20, diameters=10mm or rate=5%.  If an axis "
-    "does not have it, the nearest one is used, with a warning; numbers of beads must be exact.",
+    "does not have it, the nearest one is used, with a warning; numbers of beads and seeds must be "
+    "exact.",
 )
 @click.option(
     "--level",

@@ -46,8 +46,12 @@ from .sweep_sharing import Group, Unit, in_unit, label_shared, shared_unit
 if TYPE_CHECKING:
     import xarray as xr
 
-# Dimensions without nearest values; relative difference of numbers that are regarded as the same.
-PLACES, SAME = ("bead", "contact", "point"), 1e-9
+# Dimensions and parameters without nearest values, and the relative difference of numbers that are
+# regarded as the same.
+EXACT: Final = frozenset((
+    "bead", "contact", "point", "beads", "between", "cells", "count", "grade", "seed", "strikers",
+))  # fmt: skip
+SAME: Final = 1e-9
 # Dimensions that are not axes of a sweep.
 RESERVED: Final = ("approach", "bead", "contact")
 # Largest number of values of an axis for one curve per value.
@@ -121,8 +125,8 @@ def plot_sweep(
         by its dimension or, in a mapping, by its name in the specification
         (``"loss.coefficient"``).
         Numbers are in the unit of the axis, as in ``dataset[...].units``, or have a unit, such as
-        ``"5 mm"``.  The nearest value of an axis is used and shown in the title; beads and points
-        must be among those of the sweep.
+        ``"5 mm"``.  The nearest value of an axis is used and shown in the title; numbers of beads,
+        seeds and points must be among those of the sweep.
 
     Raises
     ------
@@ -349,7 +353,7 @@ def _short_axis(drawn: xr.DataArray, along: Sequence[Hashable]) -> str | None:
 
 
 def _index(coordinate: xr.DataArray, name: str, value: Any, warn: Any) -> int:
-    """Index of a value: exact for text and numbers of beads, the nearest for other numbers."""
+    """Index of a value: exact for text, numbers of beads and seeds, the nearest for others."""
     there = coordinate.to_numpy()
     if there.dtype.kind not in "if":
         return int(np.flatnonzero(there == check_choice(name, value, map(str, there)))[0])
@@ -363,7 +367,8 @@ def _index(coordinate: xr.DataArray, name: str, value: Any, warn: Any) -> int:
     place = number(what, value, unit=known, least=low - slack, most=high + slack)
     nearest = int(np.abs(there - place).argmin())
     exact = abs(there[nearest] - place) <= slack
-    if not exact and name in PLACES:
+    parameter = str(coordinate.attrs.get("long_name", name)).rpartition(".")[2]
+    if not exact and not EXACT.isdisjoint((name, parameter)):
         raise InputError(
             f"{what} is {place:g}, which is not a value of this sweep; the nearest is "
             f"{there[nearest]}"

@@ -92,6 +92,12 @@ def missing_parts(
         advice = f"list the {key}"
         if key == "masses" and key not in table:
             advice = "give masses, one for all beads or a list"
+        if key == "radii" and table.get("taper") == "uniform":
+            radius = table.get("radius", 1.0)
+            beads = f"beads = {table['beads']}" if "beads" in table else "the number of beads"
+            advice += f", or write radii = {radius!r} and {beads} instead of the taper"
+        elif key in ("radii", "diameters") and key in table and "beads" not in table:
+            advice += ", or give beads, the number of equal beads"
         if OTHER_SIZE.get(key) in table:
             advice = f"list the {key}, or vary {OTHER_SIZE[key]}.{axis.path[1]}"
         problems.append(f"axes.{axis.long_name}: [chain] has {has}: {advice}")

@@ -40,6 +40,8 @@ MATERIALS: Final = frozenset(("material", "materials"))
 FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType(
     {"material": "materials", "diameter": "diameters"}
 )
+# Arguments that are fractions.
+FRACTIONS: Final = ("relative",)
 _TWICE: Final = re.compile(r"multiple values for argument '(\w+)'")
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -157,7 +159,13 @@ def _by_keyword(
     if len(free) == 1:
         return f"{free[0].name} must be given by keyword, as {free[0].name}=...; "
     example = (required or free)[0].name
-    return f"give others by keyword, such as {example}={short_repr(values[0])}; "
+    return f"give others by keyword, such as {example}={_as_example(example, values[0])}; "
+
+
+def _as_example(name: str, value: Any) -> str:
+    """A value as that of an argument; numbers from 1 on are percentages where it is a fraction."""
+    percent = name in FRACTIONS and isinstance(value, int | float) and value >= 1
+    return f"'{value:g}%'" if percent else short_repr(value)
 
 
 def _given_twice(
@@ -177,7 +185,9 @@ def _given_twice(
     before = {"self", "cls"}.isdisjoint(parameters)
     place = ("first", "second", "third")[min(position - (not before), 2)]
     simple = other and isinstance(given[position], int | float | str)
-    example = f"; give others by keyword, such as {other}={value}" if simple else "; give it once"
+    example = "; give it once"
+    if simple:
+        example = f"; give others by keyword, such as {other}={_as_example(other, given[position])}"
     return (
         f"{label}: the {place} argument is {name}, which is given twice, as {value} and as "
         f"{name}={short_repr(keywords[name])}{example}"

@@ -36,7 +36,7 @@ from hertzchain.plotting.runs import (
 from hertzchain.plotting.signals import draw_crest, draw_signal
 from hertzchain.plotting.style import figure_bytes, label_log_axis
 from hertzchain.plotting.titles import chain_title
-from hertzchain.store.sweep_store import MISSING
+from hertzchain.store.sweep_store import FAILED, MISSING
 
 
 @pytest.fixture(scope="module")
@@ -1413,10 +1413,12 @@ def test_the_legend_of_a_large_map_explains_legible_markers():
         "chain": {"taper": "forward-exponential"},
     })  # fmt: skip
     status = found.status.copy(deep=True)
-    status[10:30, 10:30] = MISSING
-    drawn = hc.plot_sweep(found.assign(status=status, velocity=found.velocity.where(status > 0)))
+    status[10:30, 10:30] = FAILED
+    drawn = hc.plot_sweep(
+        found.assign(status=status, velocity=found.velocity.where(status != FAILED))
+    )
     (text,) = drawn.get_legend().get_texts()
-    assert text.get_text() == "missing, not computed yet"
+    assert text.get_text() == "failed"
     (handle,) = drawn.get_legend().legend_handles
     marked = max(drawn.collections, key=lambda each: len(each.get_offsets()))
     assert len(marked.get_offsets()) == 400
@@ -1854,3 +1856,24 @@ def test_animations_of_compressed_rows_show_changes_of_forces(tmp_path, monkeypa
     wall, sensor, _ = below.lines
     assert wall.get_ydata()[0] == pytest.approx(0.0, abs=1e-6)
     assert np.max(sensor.get_ydata()) == pytest.approx(run.sensor(4).max() - 20.0, rel=1e-6)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.IncompleteWarning")
+def test_many_missing_points_of_a_map_are_filled():
+    """Small marks beside each other would be black lines."""
+    axes = {"rate": {"linspace": [0.01, 0.1, 20]}, "beads": [*range(5, 25)]}
+    found = hc.sweep({
+        "axes": axes, "sweep": {"methods": ["bca"], "at": "last"},
+        "chain": {"taper": "forward-exponential"},
+    })  # fmt: skip
+    status = found.status.copy(deep=True)
+    status[5:15, 10:18] = MISSING
+    part = found.assign(status=status, velocity=found.velocity.where(status != MISSING))
+    drawn = hc.plot_sweep(part)
+    (text,) = drawn.get_legend().get_texts()
+    assert text.get_text() == "missing, not computed yet"
+    (handle,) = drawn.get_legend().legend_handles
+    filled = drawn.collections[-1]
+    assert not any(len(each.get_offsets()) > 1 for each in drawn.collections[:-1])
+    assert (~np.ma.getmaskarray(filled.get_array())).sum() == 80
+    assert filled.cmap(0.0) == handle.get_facecolor()

@@ -40,6 +40,23 @@ def test_bands_are_between_quantiles(found, name):
         np.testing.assert_allclose(drawn, [low, high], rtol=1e-12)
         np.testing.assert_allclose(line.get_ydata(), median, rtol=1e-12)
     assert "median and 5–95% of 12 values (seed of the radii)" in axes.get_title()
+    assert "median, 5% to 95% of 12 values" in [each.get_text() for each in axes.get_legend().texts]
+
+
+def test_the_band_of_a_narrow_figure_is_in_the_legend_and_includes_the_free_end():
+    chain = {"taper": "uniform", "beads": 9, "with_scatter": {"relative": "2%", "seed": 1}}
+    seeds = {"with_scatter.seed": {"linspace": [1, 12, 12]}}
+    found = hc.sweep({"chain": chain, "axes": seeds,
+                      "sweep": {"methods": ["propagate"], "keep": ["velocity"]}})  # fmt: skip
+    with hc.figure_style("single column"):
+        axes = hc.plot_sweep(found, band="seed")
+    assert not axes.get_title()
+    texts = [each.get_text() for each in axes.get_legend().texts]
+    assert texts == ["median, propagation", "5% to 95% of 12 values", "last bead (free end)"]
+    last = found.velocity.sel(approach="propagate", bead=9).to_numpy()
+    (bar,) = axes.collections[1].get_segments()
+    np.testing.assert_allclose(bar[:, 1], np.quantile(last, [0.05, 0.95]), rtol=1e-12)
+    assert bar[:, 0].tolist() == [9.0, 9.0]
 
 
 def test_a_band_does_not_include_missing_points(found):

@@ -29,6 +29,8 @@ class Band:
     high: xr.Dataset
     # Such as ``median and 5–95% of 30 values (seed of the radii)``.
     words: str
+    # Such as ``5% to 95% of 30 values``, of the band in a legend.
+    label: str
     # Dimension of the values.
     name: str
 
@@ -53,7 +55,8 @@ def band_over(dataset: xr.Dataset, axis: Any) -> Band:
         raise InputError(f"a band requires an axis of at least 2 values, but {name} has 1")
     low, median, high = (_quantile(dataset, name, part) for part in QUANTILES)
     words = f"median and 5–95% of {dataset.sizes[name]} values ({axis_label(dataset[name])})"
-    return Band(low, median, high, words, name)
+    label = f"5% to 95% of {dataset.sizes[name]} values"
+    return Band(low, median, high, words, label, name)
 
 
 def words_of(band: Band | None) -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from matplotlib.axes import Axes
 
+from ..collision import Array
 from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
 from .free_ends import FREE_END, label_free_end
@@ -25,11 +26,13 @@ if TYPE_CHECKING:
 MAX_SYMBOLS: Final = 40
 # Opacity of the band between quantiles, through which other curves are visible.
 BAND_ALPHA: Final = 0.2
+# Width [points] of the bar at a free end.
+BAR: Final = 3.0
 
 
 def draw_curves(
     drawn: xr.DataArray, flags: Mapping[str, xr.DataArray], axes: Axes, *, by: str, log: bool,
-    law: bool, group: Group, first: int = 0, ends: Sequence[xr.DataArray] = (),
+    law: bool, group: Group, first: int = 0, ends: Sequence[xr.DataArray] = (), band: str = "",
 ) -> None:  # fmt: skip
     """Draw one curve for each method or value of a short axis, in colours from the first one.
 
@@ -37,7 +40,7 @@ def draw_curves(
 
     Of several methods for each value, the colour shows the value, and line and symbol the method.
     Flagged points are marked; with ``law``, Hertz's law has a range, too.  Values of ``ends`` limit
-    a band around each curve.
+    a band around each curve, with the label ``band``.
     """
     # A line to a value without a place would end at the edge of the axes.
     drawn = drawn.where(drawn > 0.0) if log else drawn
@@ -67,10 +70,12 @@ def draw_curves(
                 axes.plot(places[end], curve[end], color=colour, linestyle="none",
                           marker=MARKERS[(symbol + j) % len(MARKERS)])  # fmt: skip
                 free = True
-            if ends:
-                low, high = (each.isel(chosen)[:end].to_numpy() for each in ends)
-                axes.fill_between(places[:end], low, high, color=colour, alpha=BAND_ALPHA, lw=0.0)
             label = coordinate_text(curve[by], by) if by in curve.coords else ""
+            if ends:
+                low, high = (each.isel(chosen).to_numpy() for each in ends)
+                _draw_band(axes, places, low, high, end, colour)
+                if len(names) == len(methods) == 1:
+                    label = ", ".join(filter(None, ("median", label)))
             (line,) = axes.plot(
                 places[:end],
                 curve[:end],
@@ -87,11 +92,30 @@ def draw_curves(
                 marked.setdefault(kind, set()).add(colour)
     if grouped:
         _label_groups(drawn, axes, by, looks, group, first)
+    if ends:
+        one = len(names) * (len(methods) if grouped else 1) == 1
+        _label_band(axes, band, curve_colour(axes, first) if one else grey(axes, 0.4), one=one)
     if free:
         remove_labelled(axes, FREE_END)
         label_free_end(axes)
     label_marks(axes, marked, law=law)
     _set_axes(axes, drawn, along, log=log)
+
+
+def _draw_band(
+    axes: Axes, places: Any, low: Array, high: Array, end: int | None, colour: str
+) -> None:
+    """A band around a median, and a bar of this height at a free end."""
+    axes.fill_between(places[:end], low[:end], high[:end], color=colour, alpha=BAND_ALPHA, lw=0.0)
+    if end is not None:
+        axes.vlines(places[end], low[end], high[end], color=colour, alpha=BAND_ALPHA, lw=BAR)
+
+
+def _label_band(axes: Axes, label: str, colour: str, *, one: bool) -> None:
+    """One entry of the legend for all bands; that of a single curve is beside its median."""
+    label = label if one else f"median, {label}"
+    if label not in axes.get_legend_handles_labels()[1]:
+        axes.fill([], [], facecolor=colour, alpha=BAND_ALPHA, linewidth=0.0, label=label)
 
 
 def _set_axes(axes: Axes, drawn: xr.DataArray, along: Any, *, log: bool) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.patheffects import withStroke
 
 from ..collision import Array
@@ -31,9 +32,12 @@ FRAME: Final = 3.0
 # Number of marked cells of a kind from which they are hatched and outlined, and the two widths of
 # their lines: white on black, which is visible on each colour.
 MANY: Final = 50
+# Part of the background in the grey of filled cells.
+FILLING: Final = 0.75
 STROKES: Final = (("black", 2.4), ("white", 1.0))
-# The kind that may cover much of a map, and its hatching.
-HATCHED, HATCH = "outside_range", "///"
+# The kinds that may cover much of a map: one with values, and its hatching, and one without, whose
+# cells are grey, since small marks beside each other would be lines.
+HATCHED, HATCH, FILLED = "outside_range", "///", "missing"
 # Longest line of the legend of a narrow figure.
 LEGEND_LINE: Final = 32
 
@@ -97,6 +101,9 @@ def mark_cells(
         if kind == HATCHED and there.sum() > MANY:
             edges = edges_of(drawn[across]), edges_of(drawn[down])
             _outline(axes, *edges, there, mark_label(kind, law=law))
+        elif kind == FILLED and there.sum() > MANY:
+            edges = edges_of(drawn[across]), edges_of(drawn[down])
+            _fill(axes, *edges, there, mark_label(kind, law=law))
         elif there.any():
             axes.scatter(x[there], y[there], size * (FRAME if look.frame else 1.0), zorder=3.0,
                          label=mark_label(kind, law=law), **look.cell, **colour)  # fmt: skip
@@ -106,6 +113,15 @@ def mark_cells(
         for handle in legend.legend_handles:
             if isinstance(handle, PathCollection):
                 handle.set_sizes([LEGEND_AREA])
+
+
+def _fill(axes: Axes, x: Array, y: Array, there: Array, label: str) -> None:
+    """Fill marked cells, with given edges of cells, in grey, which no value has."""
+    shown = np.ma.masked_where(~there, np.zeros(there.shape))
+    colour = grey(axes, FILLING)
+    axes.pcolormesh(x, y, shown, cmap=ListedColormap([colour]), zorder=2.5, rasterized=True)
+    # For the legend.
+    axes.fill([], [], facecolor=colour, edgecolor="none", label=label)
 
 
 def _outline(axes: Axes, x: Array, y: Array, there: Array, label: str) -> None:

@@ -196,7 +196,8 @@ def plot_sweep(
                 return axes
             draw_curves(shown, flagged, axes, by=by, log=log, law=law,
                         group=Group(unit, quantity_label(shown), tuple(caption), name),
-                        first=_first_colour(dataset, shown), ends=ends)  # fmt: skip
+                        first=_first_colour(dataset, shown), ends=ends,
+                        band="" if within is None else within.label)  # fmt: skip
             parts = caption if (common := label_shared(axes)) is None else common
             set_title(axes, "; ".join((*parts, *flags)), common=common is not None)
         draw_slopes(axes, axes.lines[present:], slopes)

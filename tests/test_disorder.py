@@ -306,6 +306,25 @@ def test_beads_beyond_given_limits_are_named(theory):
     plt.close(axes.figure)
 
 
+def test_names_of_beads_beyond_the_limits_follow_later_limits():
+    law = hc.disorder(hc.Chain.uniform(100), 0.005)
+    axes = law.plot()
+    assert len(axes.texts) == 2
+    axes.plot([1, 100], [0.6, 0.7])
+    axes.figure.canvas.draw()
+    assert axes.get_ylim()[1] > 1.0
+    assert not axes.texts
+    axes.set_ylim(0.5, 0.99)
+    assert [text.get_text() for text in axes.texts] == ["bead 1: 1 ↑"]
+    table = hc.propagate_many([hc.Chain.uniform(100).with_scatter(1, relative=0.005)])
+    axes = law.plot()
+    table.plot("velocity", ax=axes)
+    axes.figure.canvas.draw()
+    assert axes.get_ylim()[1] > 1.0
+    assert not axes.texts
+    plt.close(axes.figure)
+
+
 def test_the_band_of_the_spread_is_visible():
     law = hc.disorder(hc.Chain.uniform(100), 0.005)
     axes = law.plot()
@@ -317,10 +336,12 @@ def test_the_band_of_the_spread_is_visible():
     assert band / np.ptp(law.velocity) < 0.04 < 0.1 < band / (high - low)
     texts = [text.get_text() for text in axes.texts]
     assert texts == ["bead 1: 1 ↑", f"bead 100: {law.velocity[-1]:.3g} ↑"]
+    assert "last bead (free end)" not in axes.get_legend_handles_labels()[1]
     # Further curves are not cut off, and the values are in the axes then.
     hc.bca(hc.Chain.uniform(100)).plot(ax=axes)
     assert axes.get_ylim()[1] > 1.0
     assert not axes.texts
+    assert "last bead (free end)" in axes.get_legend_handles_labels()[1]
     assert hc.bca(hc.Chain.uniform(100)).plot().get_ylim()[1] >= 1.0
     # Limits that would hardly help remain, and so do those of a logarithmic axis.
     growing = hc.disorder(hc.Chain.tapered("forward-exponential", 0.03, beads=60), 0.005)

@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 from matplotlib import rcParams
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
 from matplotlib.path import Path
 
@@ -15,8 +16,10 @@ from .alternating_beads import END_SYMBOL
 from .colours import grey
 from .style import MARKERS
 
-# Label of the symbols, and the largest number of them beside it.
+# Label of the symbols, and that of symbols beyond the axes, which the legend does not list; the
+# largest number of symbols beside it.
 FREE_END: Final = "last bead (free end)"
+UNLISTED: Final = f"_{FREE_END}"
 MOST_SYMBOLS: Final = 3
 # Distance of their centres, in units of their size.
 DISTANCE: Final = 1.6
@@ -30,10 +33,7 @@ EDGE: Final = 2.0
 
 def label_free_end(axes: Axes) -> None:
     """Explain the symbols at free ends in the legend, beside those that are drawn."""
-    drawn = [
-        line.get_marker() for line in axes.lines
-        if line.get_linestyle() == "None" and np.size(line.get_xdata()) == 1
-    ]  # fmt: skip
+    drawn = [line.get_marker() for line in _symbols(axes)]
     known = [each for each in (*MARKERS, END_SYMBOL) if each in drawn]
     shown = known[:MOST_SYMBOLS] or [MARKERS[0]]
     style: dict[str, Any] = {"color": grey(axes, 0.4), "label": FREE_END}
@@ -42,6 +42,23 @@ def label_free_end(axes: Axes) -> None:
         return
     size = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(shown) - 1))
     axes.plot([], [], **style, marker=_row(shown), markersize=size, linestyle="none")
+
+
+def unlist_hidden_ends(axes: Axes) -> None:
+    """Remove the label from the legend if all symbols of free ends are beyond the limits."""
+    low, high = sorted(axes.get_ylim())
+    values = [value for line in _symbols(axes) for value in np.ravel(line.get_ydata())]
+    if values and not any(low <= value <= high for value in values):
+        for line in axes.lines:
+            if line.get_label() == FREE_END:
+                line.set_label(UNLISTED)
+
+
+def _symbols(axes: Axes) -> list[Line2D]:
+    return [
+        line for line in axes.lines
+        if line.get_linestyle() == "None" and np.size(line.get_xdata()) == 1
+    ]  # fmt: skip
 
 
 def end_style(marker: str) -> dict[str, Any]:

@@ -24,10 +24,12 @@ from .colours import curve_colour, grey
 from .differences import words_of_chains
 from .free_ends import (
     FREE_END,
+    UNLISTED,
     draw_end_outside_limits,
     end_style,
     include_ends,
     label_free_end,
+    unlist_hidden_ends,
 )
 from .labels import distinguish, numbered
 from .legends import place_legend
@@ -193,6 +195,7 @@ def plot_pulses(
             lower.set_xlim(axes.get_xlim())
         set_title(axes, literal(title))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
+        unlist_hidden_ends(axes)
         _finish(axes, lower, legend=legend, own=ax is None)
     return axes
 
@@ -300,7 +303,7 @@ def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequ
     """Labels of symbols at free ends, and of bands; that of a single band has its colour."""
     # Those of pulses that the axes already had move to the end of the legend.
     present = {artist.get_label(): artist for artist in (*axes.lines, *axes.collections)}
-    for label in {LOTS, FREE_END, HEAVY_BEADS, LIGHT_BEADS} & present.keys():
+    for label in {LOTS, FREE_END, UNLISTED, HEAVY_BEADS, LIGHT_BEADS} & present.keys():
         present[label].remove()
     banded = {look.colour for pulse, look in zip(pulses, looks, strict=True)
               if spread_of(pulse, quantity) is not None}  # fmt: skip
@@ -314,7 +317,7 @@ def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequ
         }  # fmt: skip
         axes.plot([], [], label=HEAVY_BEADS, **style)
         axes.plot([], [], label=LIGHT_BEADS, markerfacecolor="none", **style)
-    if FREE_END in present or any(ends_free(pulse, quantity) for pulse in pulses):
+    if {FREE_END, UNLISTED} & present.keys() or any(ends_free(pulse, quantity) for pulse in pulses):
         label_free_end(axes)
 
 

@@ -7,6 +7,7 @@ from typing import Final, Literal, TypeAlias
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.text import Annotation
 
 from ..collision import Array
 from ..pulse.pulse import Pulse
@@ -76,7 +77,7 @@ def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str, *, keep: bool)
     Limits that are fixed or to ``keep`` remain; beads beyond fixed ones are named, too.
     """
     if not axes.get_autoscaley_on():
-        name_beyond(axes, pulses, quantity)
+        _name_beyond(axes, pulses, quantity)
         return
     if keep:
         return
@@ -96,11 +97,11 @@ def show_band(axes: Axes, pulses: Sequence[Pulse], quantity: str, *, keep: bool)
     margin = MARGIN * (high - low)
     # Curves that are drawn later may change these limits.
     axes.set_ylim(low - margin, high + margin, auto=True)
-    name_beyond(axes, pulses, quantity)
+    _name_beyond(axes, pulses, quantity)
 
 
 def remove_values_beyond(axes: Axes) -> None:
-    """Remove the texts of `name_beyond`, whose limits further curves change."""
+    """Remove the texts about values beyond the limits, whose limits further curves change."""
     for text in [each for each in axes.texts if each.get_gid() == BEYOND]:
         if axes.get_autoscaley_on():
             text.remove()
@@ -123,8 +124,22 @@ def _range(lows: Sequence[Array], highs: Sequence[Array], *, inner: bool) -> tup
     return float(np.nanmin(below)), float(np.nanmax(above))
 
 
-def name_beyond(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+def _name_beyond(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
+    """Name the beads beyond the limits, also after later curves or users change these."""
+    shown = _beyond(axes, pulses, quantity)
+
+    def renew(_: Axes) -> None:
+        for text in shown:
+            if text in axes.texts:
+                text.remove()
+        shown[:] = _beyond(axes, pulses, quantity)
+
+    axes.callbacks.connect("ylim_changed", renew)
+
+
+def _beyond(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> list[Annotation]:
     """Write the beads and values beyond the limits at the edges of the axes, with arrows."""
+    written: list[Annotation] = []
     first, last = axes.get_xlim()
     low, high = sorted(axes.get_ylim())
     for limit, sign in ((high, 1.0), (low, -1.0)):
@@ -137,10 +152,10 @@ def name_beyond(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
                     furthest = part[np.argmax(sign * values[part])]
                     bead = int(pulse.bead[furthest])
                     where = int(3.0 * (bead - first) / (last - first))
-                    text = _beyond_in_words(quantity, pulse.bead[part], values[furthest], sign)
-                    texts.setdefault(SIDES[min(max(where, 0), 2)], {})[text] = bead
+                    words = _beyond_in_words(quantity, pulse.bead[part], values[furthest], sign)
+                    texts.setdefault(SIDES[min(max(where, 0), 2)], {})[words] = bead
         for side, found in texts.items():
-            axes.annotate(
+            text = axes.annotate(
                 "\n".join(found),
                 (next(iter(found.values())), sign > 0.0),
                 (DISTANCE if side == "left" else 0.0, 0.0),
@@ -151,6 +166,8 @@ def name_beyond(axes: Axes, pulses: Sequence[Pulse], quantity: str) -> None:
                 fontsize="small",
                 gid=BEYOND,
             )
+            written.append(text)
+    return written
 
 
 def _beyond_in_words(quantity: str, beads: Array, value: float, sign: float) -> str:

@@ -5,6 +5,7 @@ from typing import Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from page_figures import chain_rows
 from scipy.signal import find_peaks
@@ -51,7 +52,11 @@ def losses() -> Figure:
         left.set_ylim(0.897, 1.004)
         left.set_xlabel("speed before the collision [m/s]")
         left.set_ylabel("coefficient of restitution")
-        colours = {name: COLOURS[i] for i, name in enumerate(EQUIVALENT, 1)}
+        # Darker than the lines, since thin letters look paler.
+        colours = {
+            name: tuple(0.7 * part for part in to_rgb(COLOURS[i]))
+            for i, name in enumerate(EQUIVALENT, 1)
+        }
         left.text(0.035, 0.9705, "Viscoelastic", color=colours["Viscoelastic"])
         left.text(0.035, 0.911, "Dashpot", color=colours["Dashpot"])
         left.text(0.011, 0.9935, "ElasticPlastic", color=colours["ElasticPlastic"])

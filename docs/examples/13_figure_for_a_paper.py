@@ -7,7 +7,7 @@ that remain different in grey.  What is needed for that?
 """
 
 # sphinx_gallery_thumbnail_panel = (2, 1)
-# sphinx_gallery_alt_1 = "Velocities by simulation, BCA and local-rate law, and their errors"
+# sphinx_gallery_alt_1 = "Velocities by propagation, BCA and local-rate law, and their errors"
 # sphinx_gallery_alt_2 = "The chain, the velocities along it and the errors of two theories"
 # sphinx_gallery_alt_3 = "Map of the velocities of all beads over time"
 import tempfile
@@ -49,7 +49,7 @@ with hc.figure_style("single column"):
     hc.plot_chain(chain, ax=top)
     top.set_axis_off()
     hc.plot_pulses(
-        [exact, bca, law], labels=["simulation", "BCA", "local-rate law"], log=True,
+        [exact, bca, law], labels=["propagation", "BCA", "local-rate law"], log=True,
         residuals=True, ax=(middle, bottom),
     )
     bottom.set_ylabel("relative\nerror [%]")

@@ -6,7 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from .compared_yield import possible_factors
+from ..simulation.yield_range import depends_on_yield_pressure
+from .compared_yield import has_law_of_yield, possible_factors
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,16 +37,22 @@ def drawn_over_impacts(
     for at_impact in impacts.names.values():
         for chain, name in at_impact.items():
             names.setdefault(chain, []).append(name)
+    lawful = [chain for chain, own in names.items()
+              if any(depends_on_yield_pressure(runs[name]) for name in own)]  # fmt: skip
+    known = [chain for chain, own in names.items()
+             if chain in lawful or any(peaks.at[name].elastic for name in own)]  # fmt: skip
+    given = any(has_law_of_yield(runs[name]) and math.isinf(peaks.at[name].smallest)
+                for chain, own in names.items() if chain not in lawful for name in own)  # fmt: skip
     return plot_peaks(
         {chain: [value_of_impact(runs[name].chain, impacts.kind) for name in own]
          for chain, own in names.items()},
         {chain: [peaks.own[name] for name in own] for chain, own in names.items()},
-        {chain: [peaks.at[name].both for name in own] for chain, own in names.items()
-         if any(peaks.at[name].elastic for name in own)},
+        {chain: [peaks.at[name].both for name in names[chain]] for chain in known},
         {chain: [(name in peaks.unpredicted, *peaks.at[name].outside) for name in own]
          for chain, own in names.items()},
         factors=possible_factors(), where=peaks.where, units=next(iter(runs.values())).chain.units,
         heights=impacts.kind == "height", sensors=forces_over_impacts(runs, others, impacts),
+        lawful=lawful, given_pressure=given,
     )  # fmt: skip
 
 

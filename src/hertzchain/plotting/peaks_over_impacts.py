@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
@@ -44,31 +44,38 @@ def plot_peaks(
     units: str,
     heights: bool = False,
     sensors: Mapping[str, Mapping[str, Sequence[float]]] = NO_SENSORS,
+    lawful: Collection[str] = (),
+    given_pressure: bool = False,
 ) -> Axes:
     """Plot the peaks of each chain, and a band of those with contacts that yield.
 
     The ``impacts`` are speeds, or ``heights`` of fall [m].  ``yielding`` has the peaks at both
     possible yield pressures, the ``factors`` times the yield strength.  Those of the three peaks
     that are ``outside`` have hollow markers.  Peaks that are not known are infinite, and left out.
-    First maxima in ``sensors``, by the names of sensors and chains, are in panels below.  Of three
-    or more impacts with a wide range of them or of the peaks, both axes are logarithmic, so that
-    exponents are visible.
+    Contacts of the ``lawful`` chains yield at an assumed pressure: their own peaks are those at the
+    smaller one, and no elastic ones are drawn.  With ``given_pressure``, contacts of other chains
+    yield at a pressure of their own.  First maxima in ``sensors``, by the names of sensors and
+    chains, are in panels below.  Of three or more impacts with a wide range of them or of the
+    peaks, both axes are logarithmic, so that exponents are visible.
     """
     unit = " [N]" if units == "SI" else ""
     with figure_style():
         axes, *others = _panels(1 + len(sensors))
-        values = {name: [own, *zip(*yielding.get(name, ()), strict=True)]
+        values = {name: [_elastic(own, name in lawful), *zip(*yielding.get(name, ()), strict=True)]
                   for name, own in peaks.items()}  # fmt: skip
         _draw_chains(axes, impacts, values, outside, heights=heights)
         names = {line: _name_with_yield(factor, values, i)
                  for i, (line, factor) in enumerate(zip(LINES[1:], factors, strict=True), 1)
                  if yielding}  # fmt: skip
-        _name_lines(axes, names, named=any(peaks),
+        solid = "elastic, or its own yield pressure" if given_pressure else "elastic"
+        solid *= any(np.isfinite(each[0]).any() for each in values.values())
+        _name_lines(axes, names, solid=solid * any(peaks),
                     hollow=any(np.any(each) for each in outside.values()))  # fmt: skip
         between = "\n" if others else " "
         axes.set_ylabel(f"peak force on{between}{where}{unit}")
         for panel, (sensor, forces) in zip(others, sensors.items(), strict=True):
-            values = {name: [own] for name, own in forces.items()}
+            values = {name: [_elastic(own, True), own] if name in lawful else [own]
+                      for name, own in forces.items()}  # fmt: skip
             _draw_chains(panel, impacts, values, outside, heights=heights)
             panel.set_ylabel(f"first maximum in\n{sensor}{unit}")
         over = "height of fall [mm]" if heights else "velocity of the impact"
@@ -80,6 +87,11 @@ def plot_peaks(
         if len(axes.get_legend_handles_labels()[1]) > 1:
             place_legend(axes, own=not others)
     return axes
+
+
+def _elastic(own: Sequence[float], lawful: bool) -> Sequence[float]:
+    """Peaks with elastic contacts, which are not known if contacts have a law of yield."""
+    return [np.inf] * len(own) if lawful else own
 
 
 def _shows_exponents(
@@ -135,7 +147,7 @@ def _draw_chains(
 def _same(one: Curve, other: Curve) -> bool:
     """Whether two elastic curves cannot be distinguished in a figure."""
     (x, values), (other_x, others) = one, other
-    if not np.array_equal(x, other_x):
+    if not np.array_equal(x, other_x) or np.isnan(values[0]).all():
         return False
     top = max(float(np.nanmax(values[0], initial=0.0)), float(np.nanmax(others[0], initial=0.0)))
     return np.allclose(values[0], others[0], rtol=0.0, atol=SAME * top, equal_nan=True)
@@ -184,10 +196,15 @@ def _draw_chain(
     The elastic curve of ``same``, an earlier chain with the same values, stays visible below it.
     """
     colour, marker = curve_colour(axes, i), MARKERS[i % len(MARKERS)]
-    if len(values) > 1:
+    if len(values) > 2:
         axes.fill_between(x, values[1], values[2], color=colour, alpha=0.12, linewidth=0.0)
+    # The name of a chain without elastic peaks is that of its first curve with yield.
+    elastic = len(values) == 1 or not np.isnan(values[0]).all()
     for line, y, flags in zip(LINES, values, outside, strict=False):
-        label = (literal(name) or "elastic") if line == "-" else None
+        if line == "-" and not elastic:
+            continue
+        named = line == ("-" if elastic else "--")
+        label = (literal(name) or ("elastic" if elastic else None)) if named else None
         if label and same:
             label += f" (elastic: the same curve as {literal(same)})"
         # A thinner line with smaller markers leaves the other one visible.
@@ -201,11 +218,11 @@ def _draw_chain(
                   markerfacecolor=axes.get_facecolor(), zorder=3.0)  # fmt: skip
 
 
-def _name_lines(axes: Axes, names: Mapping[str, str], *, named: bool, hollow: bool) -> None:
+def _name_lines(axes: Axes, names: Mapping[str, str], *, solid: str, hollow: bool) -> None:
     """Add the kinds of lines and of markers to the legend."""
     neutral = grey(axes, 0.4)
-    if names and named:
-        axes.plot([], [], LINES[0], color=neutral, label="elastic")
+    if names and solid:
+        axes.plot([], [], LINES[0], color=neutral, label=solid)
     for line, name in names.items():
         axes.plot([], [], line, color=neutral, label=name)
     if hollow:

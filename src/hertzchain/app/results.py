@@ -124,7 +124,8 @@ def _results(request: Request, stop: Stop) -> Iterator[Part]:
             found = [AT_REST] if is_static(chain) else []
             found += _not_repeated(before, warnings_on_the_page(warned))
             if not request.draft:
-                found += [*yield_notes(whole), *map(on_the_page, _unfinished_impact(run, whole))]
+                found += [*yield_notes(whole), *map(on_the_page, whole.notes)]
+                found += [*map(on_the_page, _unfinished_impact(run, whole))]
             forces = run
             if not request.draft:
                 places = [*places_of(chain, request.sensors).values()]

@@ -42,6 +42,8 @@ WORDINGS: Final = (
     (r"^struck_by omits the velocity of bead 1, (.*), because strikers hit a chain at rest; .*",
      r"the impact velocity, \1, is not used, because strikers hit a chain at rest; enter the "
      "velocity under Strikers"),
+    (r"\badd a light cap: with_cap\('([^']*)'\)", r"add a light cap of \1"),
+    (r"\buse Wall\(\) or the material", "choose the material"),
     (r"; see Run\.fronts", ""),
     # Names of tables in chain files.
     (r" of \[chain[.\w]*\]", ""),

@@ -12,7 +12,7 @@
 - equilibrium: `static_forces`, `static_state`, `equilibrium`;
 - units: `scales`, `conversion`;
 - range of the model: `hertz_range` with `hertz_ratios`, `impact_overlaps` and
-  `hertz_warnings`, the assumed `yield_pressure`, and `loss_range`;
+  `hertz_warnings`, `stiff_walls`, the assumed `yield_pressure`, and `loss_range`;
 - input: `input_checks`, `feature_support`, `bead_names`, `places`;
 - numerical method: `bisection`.
 """

@@ -102,8 +102,9 @@ CHAIN_OPTIONS: Final = (
         metavar="NAME",
         shell_complete=complete_walls,
         help="Add a wall behind the last bead: of the bead's material (same), rigid, of another "
-        "material, or with a stiffness such as '5 kN/mm'; that of a pad k1 in front of a wall k2 "
-        "is k1 k2 / (k1 + k2).  Replaces the wall of a FILE.",
+        "material, or with a stiffness such as '5 kN/mm'.  This spring replaces the Hertz contact "
+        "of the last ball: if it is stiffer than this contact, add a light cap (--cap).  A pad k1 "
+        "in front of a wall k2 has the stiffness k1 k2 / (k1 + k2).  Replaces the wall of a FILE.",
     ),
     click.option(
         "--gravity",

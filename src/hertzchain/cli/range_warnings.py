@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from .shown_warnings import show_warning
+from .wording import on_command_line
 
 if TYPE_CHECKING:
     from ..chain.hertz_range import HertzRange
@@ -30,6 +31,10 @@ def warn_of_limits(runs: Mapping[str, Run]) -> None:
     _warn("overlap / radius", ranges, _overlap,
           lambda each: bool((each.overlap_ratio > each.overlap_limit).any()),
           f"{beyond}reduce the velocity")  # fmt: skip
+    noted = {name: run for name, run in runs.items() if run.notes}
+    if noted:
+        name, run = next(iter(noted.items()))
+        show_warning(f"{name}: {on_command_line(run.notes[0])}")
     _warn("impact speed / sound", ranges, lambda each: each.speed_ratio,
           lambda each: each.speed_ratio > MAX_SPEED_RATIO, "reduce the velocity")  # fmt: skip
 

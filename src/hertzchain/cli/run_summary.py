@@ -75,6 +75,7 @@ def run_as_dict(
         else [peak.value, harder.value],
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
+        "notes": [*map(on_command_line, run.notes)],
         "forces_predicted": not (not_a_prediction(run) or (peak is not None and peak.outside)),
         "yielding_proven": None if peak is None else not peak.so_far,
         "peak_of_second_hit": finite(second_hit(run)) if second else None,
@@ -146,7 +147,8 @@ def show_run(
     dented = dents_in_words(run.chain, run._furthest_overlaps)
     remarks = [each for each in (dented, remark_on_overlaps(run)) if each]
     springs = elastic_springs(run.chain)
-    for line in [*pressures_below_yield(run), *unchecked, *springs, *remarks]:
+    for line in [*pressures_below_yield(run), *unchecked, *springs, *remarks,
+                 *map(on_command_line, run.notes)]:  # fmt: skip
         show_text(line)
     for wall in _walls(run):
         show_text(_wall_lines(run, wall))

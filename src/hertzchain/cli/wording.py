@@ -14,6 +14,7 @@ from ..errors import InputError, SimulationError
 
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
+    (r"\bwith_cap\('([^']*)'\)", r"cap = '\1' in [chain]"),
     (r"\buse loss=ElasticPlastic\(\)", "use loss = {law = 'elastic-plastic'} in the chain file"),
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
@@ -106,6 +107,7 @@ BY_OPTION: Final = {
         (r"\bpiecewise_local_rate (?=for steps)", "--method piecewise-local-rate "),
     ),
     "cap": (
+        (r"\bwith_cap\('([^']*)'\)", r"--cap '\1'"),
         (
             r"such as (right_wall=)?Wall\('5 kN/mm', exponent=1\)( for a load cell)?",
             "such as --wall '5 kN/mm'",

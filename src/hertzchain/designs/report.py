@@ -285,6 +285,9 @@ def _range_in_words(result: DesignResult) -> str:
         return f"; no known limit of Hertz's law was exceeded{where}"
     every = " of all points of the Pareto front" if result.front else ""
     law = "their law" if any(map(_describes_yield, result.front or (result,))) else "Hertz's law"
+    if any(each.verified.stiff_walls for each in result.front or (result,)):
+        return (f"; all Hertz contacts{every} stayed within the range of {law}; the spring of the "
+                "wall is too stiff to replace one (see the notes)")  # fmt: skip
     return f"; all contacts{every} stayed within the range of {law}"
 
 

@@ -12,6 +12,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
 from ..chain.hertz_ratios import NO_PREDICTION, OUTSIDE_LAW
 from ..chain.materials import FULLY_PLASTIC
+from ..chain.stiff_walls import stiff_wall_notes
 from ..collision import Array
 from ..pulse.quantity_names import COLUMNS
 from ..recorded_warnings import ignore_warnings
@@ -120,6 +121,9 @@ class Verified:
         The same numbers, `values`, `overlap_ratio` and `second_peak`, at the largest possible
         yield pressure (2.8 times the yield strength), of the design and the chains to compare
         with, if contacts yield at an assumed pressure (1.6 times).
+    stiff_walls : tuple of str
+        Walls of a given stiffness that are too stiff to replace the Hertz contact of a ball; they
+        are also in the notes (`hertzchain.Run.notes`).
     """
 
     chain: Chain
@@ -133,6 +137,7 @@ class Verified:
     dents: str = ""
     second_peak: float = math.nan
     fully_plastic: FullyPlastic | None = None
+    stiff_walls: tuple[str, ...] = ()
 
     @property
     def outside_range(self) -> bool:
@@ -208,13 +213,14 @@ def verify_chain(
         notes.append(LATER_ON_BODY)
     notes += _later_motion(problem, chain, values)
     notes += _later_force(problem, chain, values, float(table["end_time"][0]))
-    limits = None
+    limits, stiff = None, tuple[str, ...]()
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         overlaps = table._overlaps[0, : chain.beads + 1]
         limits = hertz_range(chain, overlaps)
+        stiff = stiff_wall_notes(chain, overlaps)
         remarks = [limits._remark] if limits._remark else []
         notes += [*limits.violations, *_missing_limits(problem, limits), *remarks,
-                  *contacts_without_strength(chain, overlaps)]  # fmt: skip
+                  *contacts_without_strength(chain, overlaps), *stiff]  # fmt: skip
     yielding = _with_yielding_contacts(problem, chain, values) if yields(limits) else _ELASTIC
     if leaves_dents(chain) and not table.reasons:
         dents = dents_in_words(chain, table._overlaps[0, : chain.beads + 1])
@@ -224,7 +230,8 @@ def verify_chain(
     if problem.scatter is not None and seed is not None:
         sampled = sampled_values(problem, chain, seed, progress=progress)
         scattered = summary_of_samples(problem, sampled)
-    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding)
+    return Verified(chain, values, RTOL, tuple(notes), scattered, limits, *yielding,
+                    stiff_walls=stiff)  # fmt: skip
 
 
 def _missing_limits(problem: Design, found: HertzRange) -> list[str]:

@@ -51,6 +51,7 @@ def run_html(run: Run) -> str:
         parts = [*_velocities(run), *parts]
     else:
         parts.append(note("No times were saved, so there are no curves to draw."))
+    parts += [note(sentence(each)) for each in run.notes]
     if run.prediction:
         parts.append(note(sentence(run.prediction)))
     if not run.success:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..chain.contact_groups import dents
+from ..chain.stiff_walls import stiff_wall_notes
 from ..collision import Array
 from ..validation.keywords import checked_methods
 from .budget import overlaps_of
@@ -50,6 +51,28 @@ class ContactHistory(Trajectory):
         0.00 um
         """
         return dents(self.chain.contact_groups, self._furthest_overlaps)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Reservations about walls of a given stiffness, one sentence for each.
+
+        A linear spring replaces the Hertz contact of the last ball.  A note states if its largest
+        deflection is less than ten times the overlap of this contact under the same force; the
+        force of both in series is then noticeably different.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> row = hc.Chain.from_materials("5 mm", "steel-52100", beads=3, velocity=0.1)
+        >>> for stiffness in ("0.5 kN/mm", "50 kN/mm"):
+        ...     run = hc.simulate(row.replace(right_wall=hc.Wall(stiffness, exponent=1)))
+        ...     print(len(run.notes))
+        0
+        1
+        >>> run.notes[0].rpartition(": ")[2]
+        "with_cap('0.08 g')"
+        """
+        return stiff_wall_notes(self.chain, self._furthest_overlaps)
 
     @property
     def _furthest_overlaps(self) -> Array:

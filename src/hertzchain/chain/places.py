@@ -13,13 +13,16 @@ from ..validation.objects import check_list
 from .fields import ChainFields
 
 
-def places_from(given: Any, count: int, noun: str, *, end: int | None = None) -> NDArray[np.int64]:
+def places_from(
+    given: Any, count: int, noun: str, *, end: int | None = None, advice: str = ""
+) -> NDArray[np.int64]:  # fmt: skip
     """Indices, from 0, of beads or contacts; numbers are from 1, both ends included.
 
     A range without an end, such as ``"2:"``, ends at the number ``end``, by default the last one.
+    The ``advice`` is added if a range is outside these numbers.
     """
     if isinstance(given, str):
-        numbers = _range_of(given, count, noun, count if end is None else end)
+        numbers = _range_of(given, count, noun, count if end is None else end, advice)
     else:
         listed = check_list(f"{noun}s", given, "numbers")
         numbers = [whole_number(f"{noun} number", k, least=1, most=count) for k in listed]
@@ -29,7 +32,7 @@ def places_from(given: Any, count: int, noun: str, *, end: int | None = None) ->
     return np.array(sorted(numbers)) - 1
 
 
-def _range_of(text: str, count: int, noun: str, end: int) -> list[int]:
+def _range_of(text: str, count: int, noun: str, end: int, advice: str) -> list[int]:
     parts = text.split(":")
     try:
         if not 1 <= len(parts) <= 3:
@@ -45,10 +48,15 @@ def _range_of(text: str, count: int, noun: str, end: int) -> list[int]:
             f"strikers count, got {short_repr(text)}"
         ) from None
     if not 1 <= first <= last <= count:
-        raise InputError(f"{noun}s = {text!r} is outside 1 to {count}")
+        raise InputError(f"{noun}s = {text!r} is outside 1 to {count}{advice}")
     return list(range(first, last + 1, step))
 
 
 def ball_places(chain: ChainFields, given: Any) -> NDArray[np.int64]:
     """Indices of beads, where a range without an end does not include a cap."""
-    return places_from(given, chain.beads, "bead", end=chain._balls.stop)
+    advice = ""
+    if strikers := chain.strikers:
+        which = "bead 1 is the striker" if strikers == 1 else f"beads 1 to {strikers} are strikers"
+        first, last = strikers + 1, chain._balls.stop
+        advice = f"; {which}, and the balls are beads {first} to {last}, or 'ball 1:'"
+    return places_from(given, chain.beads, "bead", end=chain._balls.stop, advice=advice)

@@ -2,7 +2,8 @@
 
 - the problem: `problem` and `problem_files`, its `measures`, `objective`, `requirements`,
   `default_limits` and `scatter`;
-- variables: `vary`, the continuous `sizes`, the `ball_choice`, `balls` of catalogues, `stock`;
+- variables: `vary`, the continuous `sizes`, the `ball_choice` with its
+  `given_diameters`, `balls` of catalogues, `stock`;
 - the search: `design`, `methods`, `trials` with their `search_budget`, `dry_run`, and the spaces
   `size_space` and `ball_space`;
 - methods for sizes: `scanning`, `quasi_newton`, `bundle_descent`, `evolution`, `smooth_tapers`;

@@ -14,10 +14,10 @@ from ..chain.materials import Material, material
 from ..chain.places import ball_places
 from ..errors import InputError, unavailable_without
 from ..representation import counted, short
-from ..validation.numbers import real_numbers
 from ..validation.objects import check_bool, check_list
 from .ball_space import BallSpace
 from .balls import Ball, among, load_balls
+from .given_diameters import SizeRange, given_diameters
 from .sizes import check_sizes_vary
 from .start_rows import start_row
 
@@ -44,8 +44,7 @@ class BallChoice:
             )  # fmt: skip
             object.__setattr__(self, "materials", tuple(map(material, given)))
         if self.diameters is not None:
-            values = real_numbers("diameter", list(self.diameters), "ball", unit="m")
-            object.__setattr__(self, "diameters", tuple(np.atleast_1d(values).tolist()))
+            object.__setattr__(self, "diameters", given_diameters(self.diameters))
 
     @property
     @unavailable_without
@@ -62,9 +61,12 @@ class BallChoice:
                     )
             found = tuple(each for each in found if each.material in self.materials)
         if self.diameters is not None:
-            _check_sizes(found, self.diameters, name, self.materials)
-            chosen = tuple(each for each in found if among(each.diameter, self.diameters))
-            _check_materials(found, chosen, self.diameters, name, self.materials)
+            wanted = self.diameters
+            if isinstance(wanted, SizeRange):
+                wanted = wanted.sizes(found, name)
+            _check_sizes(found, wanted, name, self.materials)
+            chosen = tuple(each for each in found if among(each.diameter, wanted))
+            _check_materials(found, chosen, wanted, name, self.materials)
             found = chosen
         return found
 

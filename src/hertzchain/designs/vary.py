@@ -154,7 +154,7 @@ def gaps(
 @checked_arguments("vary.balls")
 def balls(
     catalogue: str | os.PathLike[str] = "bearing-balls", *,
-    materials: Iterable[MaterialLike] | None = None, diameters: Iterable[Any] | None = None,
+    materials: Iterable[MaterialLike] | None = None, diameters: Iterable[Any] | str | None = None,
     beads: Beads = "2:", optional: bool = False, start: Iterable[Any] | None = None,
 ) -> BallChoice:  # fmt: skip
     """Balls of a catalogue, one for each place.
@@ -165,8 +165,11 @@ def balls(
         ``"bearing-balls"``, the catalogue of hertzchain, or a CSV file with the columns
         ``diameter [mm]``, ``material`` and, optionally, ``grade``, ``name``, ``price`` and
         ``count``, the number of balls in stock; an empty cell is any number.
-    materials, diameters : iterable, optional
-        Materials and diameters [m, or with a unit] to choose from; by default all.
+    materials : iterable, optional
+        Materials to choose from; by default all.
+    diameters : iterable or str, optional
+        Diameters [m, or with a unit] to choose from; by default all.  A range such as
+        ``"4 mm to 16 mm"`` has all sizes of the catalogue between its ends, both included.
     beads : str or sequence of int
         Places that vary, as in `radii`.
     optional : bool
@@ -189,6 +192,8 @@ def balls(
     >>> import hertzchain as hc
     >>> hc.vary.balls(materials=["steel-304", "ptfe"], diameters=["4.762 mm"])
     BallChoice(2 kinds of balls for '2:')
+    >>> hc.vary.balls(materials=["steel-52100"], diameters="4 mm to 5 mm")
+    BallChoice(4 kinds of balls for '2:')
     """
     return BallChoice(catalogue, materials, diameters, beads, optional, start)
 

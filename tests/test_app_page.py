@@ -1186,6 +1186,9 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     a, b = (page_peaks(tab, slot)["right"] for slot in "AB")
     ratio = found["right wall, peak if contacts yield at 1.6 Y"][2]
     assert float(ratio.replace("−", "-")) == pytest.approx(b["first"] / a["yielding"], rel=5e-3)
+    # It has the same peak at any yield pressure.
+    at_most = found["right wall, at 2.8 Y"][1]
+    assert at_most == found["right wall, peak if contacts yield at 1.6 Y"][1] != "–"
 
 
 def test_a_row_and_a_column_are_compared_by_their_largest_forces(page):

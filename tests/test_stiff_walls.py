@@ -112,3 +112,17 @@ def test_the_left_wall_is_checked_too():
     chain = ROW.replace(left_wall=STIFF, velocities=[-0.1, 0.0, 0.0])
     (note,) = hc.simulate(chain, until="0.2 ms").notes
     assert "the spring of the left wall" in note
+
+
+def test_the_json_document_has_the_largest_pressure_of_the_text(tmp_path):
+    file = tmp_path / "row.toml"
+    file.write_text(TOML.format(wall="same"))
+    text = CliRunner().invoke(cli, ["simulate", str(file)]).output
+    found = json.loads(CliRunner().invoke(cli, ["simulate", str(file), "--json"]).stdout)
+    largest = found["largest_pressure_over_yield"]
+    place = "the right wall" if largest["contact"] == 3 else f"contact {largest['contact']}"
+    assert f"pressure / yield {largest['pressure_over_yield']:.2g} at {place}" in text
+    assert len(largest["between"]) == 2
+    assert "contacts" not in found
+    scaled = CliRunner().invoke(cli, ["simulate", "--beads", "5", "--json"])
+    assert json.loads(scaled.stdout)["largest_pressure_over_yield"] is None

@@ -57,6 +57,17 @@ def contacts_as_dict(run: Run) -> dict[str, Any]:
     return document
 
 
+def largest_pressure(run: Run) -> dict[str, Any] | None:
+    """The largest known pressure over that at first yield, and its contact; `None` without one."""
+    known = [
+        row for row in contacts_as_dict(run)["contacts"] if row["pressure_over_yield"] is not None
+    ]
+    if not known:
+        return None
+    worst = max(known, key=lambda row: float(row["pressure_over_yield"]))
+    return {name: worst[name] for name in ("contact", "between", "pressure_over_yield")}
+
+
 def contact_table(run: Run) -> Table:
     """Table with one row per contact, below the properties of the materials."""
     from rich import box

@@ -46,7 +46,7 @@ def run_as_dict(
     from ..simulation.hits import second_hit
     from ..store.results import document_of
     from ..validation.json_types import finite
-    from .contact_tables import contacts_as_dict
+    from .contact_tables import contacts_as_dict, largest_pressure
     from .wave_tables import horizon_as_dict, waves_as_list
 
     described, (peak, harder) = document_of(run.chain), yielding
@@ -75,6 +75,7 @@ def run_as_dict(
         else [peak.value, harder.value],
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
+        "largest_pressure_over_yield": largest_pressure(run),
         "notes": [*map(on_command_line, run.notes)],
         "forces_predicted": not (not_a_prediction(run) or (peak is not None and peak.outside)),
         "yielding_proven": None if peak is None else not peak.so_far,

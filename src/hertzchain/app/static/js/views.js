@@ -33,6 +33,8 @@ const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, 
 
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
+/** Words of peaks with contacts that yield, and labels of those at the largest yield pressure. */
+const OF_YIELD = /yield|at [\d.]+ Y/, AT_MOST = /(, |force if contacts yield )at [\d.]+ Y/;
 /** Ratio of the durations of two runs from which the shorter one is shown alone. */
 const MUCH = 3;
 const BEADS = { xLabel: "bead k", counted: true };
@@ -254,7 +256,7 @@ export class Views {
       }), ...impact.map(([what, ...each]) => [what.replace(/ above.*/, ""), ...each])].filter(([, value]) => value !== null).map(([what, value, unit]) => [`${alike ? label : ball}, ${what}`, unit, value]));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);
       // The peak without yield is compared with that with yield.
-      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => (/yield/.test(label) && (run.header.peaks.right ?? run.header.peaks.body)?.yielding) || NaN)], { [i + 1]: value ?? NaN }));
+      for (const [label, unit, value] of numbers) found.set(label, Object.assign(found.get(label) ?? [unit, ...chains.map(({ run }) => withoutYield(label, run.header.peaks.right ?? run.header.peaks.body))], { [i + 1]: value ?? NaN }));
     });
     const rows = [...found].map(([label, [unit, a, b]]) => {
       const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
@@ -371,6 +373,13 @@ function theirs(own, other, quantity) {
 const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.header.walls?.includes("right");
 /** Whether it is much larger than the others, too. @param {any} of @param {any} y */
 const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
+
+/** The peak of a chain that has none at a yield pressure because no contact yields; otherwise unknown.
+ * @param {string} label @param {any} peak */
+function withoutYield(label, peak) {
+  const yields = peak?.shown.some(([/** @type {string} */ words]) => OF_YIELD.test(words));
+  return OF_YIELD.test(label) && !(yields && AT_MOST.test(label)) ? peak?.yielding || NaN : NaN;
+}
 
 /** Forces on sensors and walls with their peaks. @param {Results} results
  * @returns {{shown: [string, number, any][], impact?: [string, any, string][], times: any, values: any, name: string, label: string, ball?: string, remark?: string}[]} */

@@ -203,7 +203,6 @@ def plot_fit_residuals(result: FitResult) -> Figure:
             right.plot(np.arange(1, len(rho)), rho[1:], **look, linewidth=1.0, label=label,
                        marker=MARKERS[i % len(MARKERS)], markersize=3.0)  # fmt: skip
         grid = np.linspace(-5.0, 5.0, 201)
-        # Below the histograms, of which the first is black.
         left.plot(grid, np.exp(-0.5 * grid**2) / np.sqrt(2.0 * np.pi), color=grey(left, 0.75),
                   linewidth=3.0, zorder=1.0, label="normal distribution")  # fmt: skip
         # The first and the last bin also count the values beyond them.

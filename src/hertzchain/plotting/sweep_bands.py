@@ -64,6 +64,11 @@ def words_of(band: Band | None) -> list[str]:
     return [] if band is None else [band.words]
 
 
+def label_of(band: Band | None) -> str:
+    """Label of a band in a legend."""
+    return "" if band is None else band.label
+
+
 def warn_missing_in_band(values: xr.DataArray, status: xr.DataArray, band: Band) -> None:
     """Warn about points without a value, which the band does not include."""
     without = values.isnull() | (status.broadcast_like(values) != DONE)

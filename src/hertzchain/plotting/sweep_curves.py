@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Final
 
 from matplotlib.axes import Axes
 
-from ..collision import Array
 from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
 from .free_ends import FREE_END, label_free_end
@@ -55,6 +54,7 @@ def draw_curves(
     symbol = symbol if grouped else first
     # A line of one point would be invisible.
     looks = _looks(methods, symbol, ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)
+    one = len(names) == len(methods) == 1
     free, marked = False, dict[str, set[str]]()
     for i in range(len(names)):
         for j in range(len(methods)) if grouped else [i]:
@@ -72,19 +72,12 @@ def draw_curves(
                 free = True
             label = coordinate_text(curve[by], by) if by in curve.coords else ""
             if ends:
-                low, high = (each.isel(chosen).to_numpy() for each in ends)
-                _draw_band(axes, places, low, high, end, colour)
-                if len(names) == len(methods) == 1:
+                _draw_band(axes, places, [each.isel(chosen) for each in ends], end, colour)
+                if one:
                     label = ", ".join(filter(None, ("median", label)))
-            (line,) = axes.plot(
-                places[:end],
-                curve[:end],
-                color=colour,
-                markerfacecolor="none",
-                markevery=every,
-                label=None if grouped else label or None,
-                **looks[j],
-            )
+            (line,) = axes.plot(places[:end], curve[:end], color=colour, markerfacecolor="none",
+                                markevery=every, label=None if grouped else label or None,
+                                **looks[j])  # fmt: skip
             if not grouped:
                 note_curve(line, group, label, first + i)
             flagged = {kind: each.isel(chosen) for kind, each in flags.items()}
@@ -93,7 +86,6 @@ def draw_curves(
     if grouped:
         _label_groups(drawn, axes, by, looks, group, first)
     if ends:
-        one = len(names) * (len(methods) if grouped else 1) == 1
         _label_band(axes, band, curve_colour(axes, first) if one else grey(axes, 0.4), one=one)
     if free:
         remove_labelled(axes, FREE_END)
@@ -103,9 +95,10 @@ def draw_curves(
 
 
 def _draw_band(
-    axes: Axes, places: Any, low: Array, high: Array, end: int | None, colour: str
+    axes: Axes, places: Any, ends: Sequence[xr.DataArray], end: int | None, colour: str
 ) -> None:
     """A band around a median, and a bar of this height at a free end."""
+    low, high = (each.to_numpy() for each in ends)
     axes.fill_between(places[:end], low[:end], high[:end], color=colour, alpha=BAND_ALPHA, lw=0.0)
     if end is not None:
         axes.vlines(places[end], low[end], high[end], color=colour, alpha=BAND_ALPHA, lw=BAR)

@@ -20,7 +20,7 @@ from .legends import place_legend
 from .reference_slopes import draw_slopes, slopes_from
 from .style import figure_style, get_axes, set_title
 from .sweep_axes import with_scales
-from .sweep_bands import Band, warn_missing_in_band, with_band, words_of
+from .sweep_bands import Band, label_of, warn_missing_in_band, with_band, words_of
 from .sweep_captions import SO_FAR, caption_of, words_of_flags
 from .sweep_checks import (
     check_options,
@@ -194,10 +194,9 @@ def plot_sweep(
                 set_title(axes, "; ".join((*caption, *flags)))
                 mark_cells(axes, shown, flagged, law=law, own=ax is None)
                 return axes
-            draw_curves(shown, flagged, axes, by=by, log=log, law=law,
+            draw_curves(shown, flagged, axes, by=by, log=log, law=law, ends=ends,
                         group=Group(unit, quantity_label(shown), tuple(caption), name),
-                        first=_first_colour(dataset, shown), ends=ends,
-                        band="" if within is None else within.label)  # fmt: skip
+                        first=_first_colour(dataset, shown), band=label_of(within))  # fmt: skip
             parts = caption if (common := label_shared(axes)) is None else common
             set_title(axes, "; ".join((*parts, *flags)), common=common is not None)
         draw_slopes(axes, axes.lines[present:], slopes)

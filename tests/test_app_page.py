@@ -1153,11 +1153,12 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     tab = page.new_tab(f"{page.origin}#{row.format('steel-316')}&{second}{view}")
     rows = [each.split("\t") for each in tab.locator("#legend-error tr").all_inner_texts()]
     found = {label.partition(" [")[0]: numbers for label, *numbers in rows}
-    assert list(found)[1:10] == [
+    assert list(found)[1:11] == [
         "sensor in bead 8, first maximum", "sensor in bead 8, time of first maximum",
         "sensor in bead 8, largest", "sensor in bead 8, time of largest", "right wall, largest",
         "right wall, time of largest", "right wall, peak if contacts yield at 1.6 Y",
-        "right wall, impulse of the impact", "right wall, duration (impulse / peak)",
+        "right wall, at 2.8 Y", "right wall, impulse of the impact",
+        "right wall, duration (impulse / peak)",
     ]  # fmt: skip
     walls = [
         hc.simulate(chain_of(tab.evaluate(f"hertzchain.state.{slot}")), check=False).wall_force()

@@ -471,6 +471,7 @@ def public_calls(folder):
         "Run.sensor_force": tried(run.sensor_force, bead=1),
         "SensorForce.passages": tried(longer.sensor_force(5).passages, threshold=0.1),
         "Run.velocity": tried(run.velocity, bead=1),
+        "Run.body_force": tried(hc.simulate(hc.Chain.uniform(3)).body_force),
         "Run.wall_force": tried(run.wall_force, side="right"),
         "LeadingPulse.weights": tried(
             run.leading_pulse().weights, times=run.times, velocities=run.velocities

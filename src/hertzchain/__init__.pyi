@@ -74,6 +74,7 @@ from .pulse.pulse import Pulse as Pulse
 from .pulse.pulse_table import PulseTable as PulseTable
 from .sheets.sheet import LabSheet as LabSheet
 from .sheets.sheet import lab_sheet as lab_sheet
+from .simulation.body_peak import BodyForce as BodyForce
 from .simulation.budget import Budget as Budget
 from .simulation.energy_balance import EnergyBalance as EnergyBalance
 from .simulation.energy_flux import EnergyFlux as EnergyFlux

@@ -8,7 +8,8 @@ from typing import Any, Final
 from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
 from ..chain.materials import FULLY_PLASTIC
-from ..simulation.body_force import ABOVE, MAY_FOLLOW, BodyForce, body_force, force_on_body
+from ..simulation.body_force import ABOVE, MAY_FOLLOW, body_force, force_on_body
+from ..simulation.body_peak import BodyForce
 from ..simulation.run import Run
 from ..simulation.sensor_force import MANY_TIMES
 from ..simulation.yield_range import at_fully_plastic_pressure

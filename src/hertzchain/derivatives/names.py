@@ -10,7 +10,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, unknown_name_error
 from ..pulse.quantities import QUANTITIES
 from ..pulse.quantity_names import full_name
-from ..simulation.body_force import not_on_a_wall
+from ..simulation.body_peak import not_on_a_wall
 from ..simulation.end_forces import static_forces_around
 from ..validation.numbers import whole_number
 

@@ -47,7 +47,7 @@ from ..pulse.pulse import Pulse
 from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, WALL_QUANTITIES
 from ..pulse.quantity_names import COLUMNS, full_name
 from ..representation import measure as shown
-from ..simulation.body_force import not_on_a_wall
+from ..simulation.body_peak import not_on_a_wall
 from ..simulation.run_table import RunTable
 from ..simulation.sensor_force import HALF, free_face_note
 from ..simulation.wall_bound import LATER_IMPACTS, RIGHT, motion_can_escape

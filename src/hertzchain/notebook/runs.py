@@ -8,6 +8,8 @@ from typing import Final
 
 import numpy as np
 
+from ..chain.bead_names import walls_of
+from ..simulation.body_force import body_force
 from ..simulation.budget import COLOURS as LOCATION_COLOURS
 from ..simulation.budget import Budget
 from ..simulation.horizon import Horizon
@@ -45,7 +47,7 @@ def run_html(run: Run) -> str:
         "steps": f"{run.steps}",
         "energy drift": f"{run.energy_drift:.1e}",
         "momentum drift": f"{run.momentum_drift:.1e}",
-    }
+    } | _largest_forces(run)
     parts = [numbers(found)]
     if len(run.times) > 1:
         parts = [*_velocities(run), *parts]
@@ -57,6 +59,20 @@ def run_html(run: Run) -> str:
     if not run.success:
         parts.append(note(f"The run failed: {run.message}."))
     return page("Run", run.chain.description, *parts)
+
+
+def _largest_forces(run: Run) -> dict[str, str]:
+    """The largest force on walls and on a cap without a wall."""
+    units, found = run.chain.units, {}
+    for side in walls_of(run.chain):
+        wall = run._wall_force(side)
+        so_far = "" if wall.complete and wall.proven else " so far"
+        found[f"{side} wall, largest force{so_far}"] = engineering(wall.largest_so_far, "N", units)
+    if run.chain._free_cap and (body := body_force(run)) is not None:
+        so_far = "" if body.complete else " so far"
+        found[f"cap, largest force{so_far}"] = engineering(body.force, "N", units)
+        found[f"cap, acceleration{so_far}"] = engineering(body.acceleration, "m/s^2", units)
+    return found
 
 
 def _velocities(run: Run) -> tuple[str, str]:

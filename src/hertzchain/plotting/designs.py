@@ -28,7 +28,7 @@ from ..designs.verified import WITH_YIELD
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES
 from ..representation import in_column
-from ..simulation.body_force import body_in_words
+from ..simulation.body_peak import body_in_words
 from .colours import COLOURS, grey
 from .compared_rows import draw_compared_rows
 from .design_beads import CHARACTER, height_of_beads, plot_beads, violations

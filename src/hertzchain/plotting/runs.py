@@ -15,7 +15,8 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import RUN_QUANTITIES
-from ..simulation.body_force import body_curve, body_force, body_in_words
+from ..simulation.body_force import body_curve, body_force
+from ..simulation.body_peak import body_in_words
 from ..simulation.run import Run
 from ..simulation.sensor_force import sensor_maxima, warn_if_coarse
 from ..simulation.wall_force import WallForce

@@ -13,8 +13,8 @@
 - waves: `waves`, `find_waves`, `wave_events`, `wave_samples`, `reflection`, `find_reflection`,
   `energy_on_its_way`, `energy_flux`, `energy_balance`, `fronts`;
 - single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`, `touches`, `sensor_passages`,
-  `body_force` with `resolved_body`, and the rule for its complete peak in `body_watch`, with the
-  bound in `body_bound`;
+  `body_peak`, `body_force` with `resolved_body`, and the rule for its complete peak in
+  `body_watch`, with the bound in `body_bound`;
 - predictability: `horizon`, `find_horizon`;
 - many chains: `simulate_many`, `ensemble_input`, `ensemble_columns`, `ends_of_runs`,
   `run_table`.

@@ -1,62 +1,28 @@
-"""The force on the last body of a free end, such as an instrument, and its acceleration."""
+"""The largest force on the last body of a free end, located between the saved times."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Final, NamedTuple
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..recorded_warnings import ignore_warnings
+from .body_peak import BodyForce
 from .resolved_body import resolved
 from .sensor_curve import crossings_around
 from .sensor_force import sensor_maxima
 from .wall_bound import RIGHT
 
 if TYPE_CHECKING:
-    from ..chain.chain import Chain
     from .run import Run
 
 # Part of the largest force above which the duration of an acceleration is counted.
 ABOVE: Final = 0.1
 # Of a peak that is not complete.
 MAY_FOLLOW: Final = "a larger force may follow"
-
-
-def not_on_a_wall(name: str) -> str:
-    """Why a chain with a right wall has no such quantity of a body behind it."""
-    return (
-        f"{name} is that of the last body of a free right end, and this chain has a right wall: "
-        "use wall_force.peak"
-    )
-
-
-class BodyForce(NamedTuple):
-    """The largest force of the last contact on the body behind it, without the static force.
-
-    The acceleration is this force over the mass of the body, without any filter.  The duration is
-    the time around the maximum for which the force exceeds a tenth of it; NaN if the run begins
-    later or ends earlier.  ``error`` is a bound of the error of the force.  ``later`` states
-    whether the largest force is not the first maximum.  ``complete`` is false if a later force may
-    exceed it: if the run ends before `hertzchain.simulation.body_bound` excludes it.  The force of
-    a run that was resumed includes the time before; if that is not known, because the run did not
-    begin with the chain, ``complete`` is false.
-    """
-
-    force: float
-    time: float
-    duration: float
-    mass: float
-    error: float = 0.0
-    later: bool = False
-    complete: bool = True
-
-    @property
-    def acceleration(self) -> float:
-        """Largest force over mass."""
-        return self.force / self.mass
 
 
 def force_on_body(run: Run) -> Array:
@@ -74,11 +40,6 @@ def body_curve(run: Run) -> tuple[Array, Array]:
         return times, force
     at = int(np.searchsorted(times, found.time))
     return np.insert(times, at, found.time), np.insert(force, at, found.force)
-
-
-def body_in_words(chain: Chain) -> str:
-    """The last body of a chain."""
-    return "the last body" if chain.cap is None else "the cap"
 
 
 def body_force(run: Run) -> BodyForce | None:

@@ -11,6 +11,7 @@ from ..chain.contact_groups import dents
 from ..chain.stiff_walls import stiff_wall_notes
 from ..collision import Array
 from ..validation.keywords import checked_methods
+from .body_peak import body_force_of
 from .budget import overlaps_of
 from .largest_overlaps import OPEN
 from .trajectory import Trajectory
@@ -20,6 +21,8 @@ from .trajectory import Trajectory
 @dataclass(frozen=True, eq=False)
 class ContactHistory(Trajectory):
     """A trajectory with the history of its contacts; `hertzchain.Run` has the fields."""
+
+    body_force = body_force_of
 
     @cached_property
     def dents(self) -> Array:

@@ -11,7 +11,8 @@ from ..collision import Array
 from ..errors import IncompleteWarning, warn_user
 from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
 from ..representation import measure
-from .body_force import ABOVE, MAY_FOLLOW, body_force, body_in_words, not_on_a_wall
+from .body_force import ABOVE, MAY_FOLLOW, body_force
+from .body_peak import body_in_words, not_on_a_wall
 from .budget import budget_of
 from .run import Run
 from .sensor_force import sensor_maxima

@@ -28,6 +28,8 @@ TIMES: Final = 2000
 RTOL: Final = 1e-8
 # Force, relative to its peak, that counts as none at the end of a curve.
 QUIET: Final = 0.01
+# Force, relative to its peak, that matters: late contacts with less do not lengthen a figure.
+SMALL: Final = 0.05
 # Part of the time in which forces act at least, and the time after them that is kept otherwise.
 FILLED, MARGIN = 0.5, 0.1
 
@@ -137,12 +139,13 @@ def _outside(run: Run) -> bool:
 def _until_quiet(curves: Sequence[Curve]) -> list[Curve]:
     """Cut curves with the same times where all forces are small, before a further pulse arrives.
 
-    If forces act in less than half of the time that is left, most of the rest is cut, too.
+    If forces above 5% of the peak act in less than half of the time that is left, most of the rest
+    is cut, too.
     """
     quiet = np.all([each.y < QUIET * each.y.max() for each in curves], axis=0)
     quiet[: max(int(each.y.argmax()) for each in curves)] = False
     end = int(np.flatnonzero(quiet)[-1]) + 1 if quiet.any() else len(quiet)
-    loud = np.any([each.y >= QUIET * each.y.max() for each in curves], axis=0)[:end]
+    loud = np.any([each.y >= SMALL * each.y.max() for each in curves], axis=0)[:end]
     last = int(np.flatnonzero(loud)[-1]) if loud.any() else end
     if last < FILLED * end:
         end = int((1.0 + MARGIN) * last) + 1

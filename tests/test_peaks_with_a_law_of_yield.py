@@ -69,10 +69,15 @@ def test_the_command_draws_both_ends_of_a_law_of_yield(tmp_path, monkeypatch):
     draw = module.plot_peaks
 
     def recorded(*given, **options):
-        taken.update(given=given, lawful=options["lawful"])
+        taken.update(given=given, **options)
         return draw(*given, **options)
 
     monkeypatch.setattr(module, "plot_peaks", recorded)
+    row = ["--material", "steel-52100", "--diameter", "10 mm", "--beads", "3", "--cap", "50 g"]
+    both = ["--speed", "0.02m/s", "--speed", "0.04m/s", "--plot", str(tmp_path / "cap.svg")]
+    done = CliRunner().invoke(cli, ["simulate", *row, *both])
+    assert done.exit_code == 0, done.output
+    assert taken["where"] == "the cap"
     chain = ["--material", "steel-304", "--diameter", "10 mm", "--beads", "4", "--wall", "same"]
     done = CliRunner().invoke(cli, [
         "simulate", *chain, "--loss", "elastic-plastic", "--speed", "0.1m/s", "--speed", "0.2m/s",

@@ -37,6 +37,8 @@ def drawn_over_impacts(
     for at_impact in impacts.names.values():
         for chain, name in at_impact.items():
             names.setdefault(chain, []).append(name)
+    caps = all(run.chain.cap is not None for run in runs.values())
+    where = "the cap" if peaks.place == "body" and caps else peaks.where
     lawful = [chain for chain, own in names.items()
               if any(depends_on_yield_pressure(runs[name]) for name in own)]  # fmt: skip
     known = [chain for chain, own in names.items()
@@ -50,7 +52,7 @@ def drawn_over_impacts(
         {chain: [peaks.at[name].both for name in names[chain]] for chain in known},
         {chain: [(name in peaks.unpredicted, *peaks.at[name].outside) for name in own]
          for chain, own in names.items()},
-        factors=possible_factors(), where=peaks.where, units=next(iter(runs.values())).chain.units,
+        factors=possible_factors(), where=where, units=next(iter(runs.values())).chain.units,
         heights=impacts.kind == "height", sensors=forces_over_impacts(runs, others, impacts),
         lawful=lawful, given_pressure=given,
     )  # fmt: skip

@@ -40,6 +40,10 @@ EQUAL_WIDTH: Final = 0.9
 MANY_MAXIMA, RIPPLE = 10, 0.03
 # Common part of the smaller of two areas below curves, from which one curve may hide the other.
 COMMON: Final = 0.1
+# Largest difference, relative to the peak, of a curve that another one covers.
+HIDDEN: Final = 5e-3
+# Part of the times at which it does.
+MOST: Final = 0.8
 # Words that distinguish curves with one label.
 MEASURED, SIMULATED = "measured", "simulated"
 
@@ -118,6 +122,18 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
             width, opacity = (EQUAL_WIDTH, 1.0) if equal else RUN_LINES[line.run]
             line.set(linestyle="-", linewidth=narrower * width, alpha=opacity)
     _end_together(axes, lines)
+
+
+def raise_hidden(lines: Sequence[ForceLine]) -> None:
+    """Draw a curve of a run that a later one covers as dashes on top of it."""
+    for one, other in itertools.combinations(lines, 2):
+        (x, first), (x_other, second) = (
+            np.asarray(line.get_data(), dtype=float) for line in (one, other)
+        )
+        # Short oscillations after the pulse may differ.
+        difference = np.quantile(np.abs(np.interp(x, x_other, second) - first), MOST)
+        if one.run == other.run and difference < HIDDEN * first.max(initial=0.0):
+            one.set(linestyle=(0.0, (3.0, 3.0)), zorder=other.get_zorder() + 0.1)
 
 
 def _unfinished(line: ForceLine, largest: float) -> list[str]:

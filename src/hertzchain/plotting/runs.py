@@ -26,7 +26,14 @@ from ..validation.objects import check_bool, check_choice, check_list, text
 from .acting_times import limit_to_forces
 from .colours import curve_colour, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
-from .force_lines import ForceLine, common_title, force_lines, label_and_style, with_peaks
+from .force_lines import (
+    ForceLine,
+    common_title,
+    force_lines,
+    label_and_style,
+    raise_hidden,
+    with_peaks,
+)
 from .legends import place_legend
 from .shared_axes import label_below, numbers_are_below, use_prefix
 from .static_forces import change_label, show_changes, small_change, static_force, static_forces
@@ -274,6 +281,7 @@ def _draw_forces(
     show_changes(axes, run.chain)
     axes.margins(x=0.0)
     label_and_style(axes, compared=compared is not None)
+    raise_hidden(force_lines(axes))
     mark_horizon(axes, run.known_horizon, factor)
 
 

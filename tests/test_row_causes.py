@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.fitting.defect_fits import fits_of_defect
 from hertzchain.fitting.row_causes import _with_material
 
 FREE = ["stiffness", "loss.time", "time_offset"]
@@ -45,3 +46,29 @@ def test_a_ball_is_not_replaced_by_one_of_its_own_material():
     assert _with_material(row, 2, "brass").materials[1].name == "brass"
     with pytest.raises(hc.InputError, match="ball 2 has this material"):
         _with_material(row, 2, "steel-52100")
+
+
+def with_mass(factor):
+    """The row in which ball 9 has another mass, as with a hole, but the usual size."""
+    chain = row()
+    return chain.replace(masses=chain.masses * np.where(np.arange(13) == 9, factor, 1.0))
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+def test_a_ball_of_another_mass_is_not_one_of_another_size():
+    result = hc.fit(measured(with_mass(0.9)), row(), free=FREE)
+    (advice,) = result.advice
+    assert advice.startswith("with mass[9] = ")
+    assert "the model describes the data: check the mass of ball 9" in advice
+    found = float(advice.split(": ")[1].split(" +- ")[0])
+    assert found == pytest.approx(1e3 * with_mass(0.9).masses[9], rel=0.01)
+    # A small change of the size has nearly the same effect, but describes the data less well.
+    assert advice.find("radius[9]") in (-1, advice.find(". With radius[9] = ") + 7)
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
+def test_a_search_for_an_odd_ball_tries_its_mass():
+    result = hc.fit(measured(with_mass(0.9)), row(), free=FREE)
+    first = fits_of_defect(hc.scan_defects(result, "bead"), 4)[0]
+    assert first.names[-1] == "mass[9]"
+    assert first.values["mass[9]"] == pytest.approx(with_mass(0.9).masses[9], rel=0.01)

@@ -373,7 +373,7 @@ def _trying(what: str, names: Sequence[str]) -> Callable[[int], str]:
 def _other_place(scan: DefectScan, best: FitResult) -> list[str]:
     """A line if the fits choose another place than the scan, in which other parameters adjust."""
     name = best.names[-1]
-    if name == scan.best:
+    if name.partition("[")[2] == scan.best.partition("[")[2]:
         return []
     return [
         f"the fit above has {name}, because fits with one defect at each of the first places have "

@@ -32,6 +32,8 @@ CLOSE, NOISE = 1.01, 20.0
 # Number of successive defects, in the order of the parts that they explain, after which no further
 # one is fitted if none of them is better than one before.
 PATIENCE: Final = 6
+# Number of the best odd balls whose mass is fitted instead of the size.
+WITH_MASS: Final = 3
 
 
 def candidates_of(scan: DefectScan) -> list[str]:
@@ -68,14 +70,39 @@ def fits_of_defect(
             found.append(_from(problem.model, problem.model.values(solution.variables)))
         if candidates is None and costs and len(costs) - int(np.argmin(costs)) > PATIENCE:
             break
-    if progress is not None:
-        progress(count, count)
     if not found:
         raise SimulationError("no chain with one of the defects can be simulated")
+    if scan.kind == "bead":
+        masses = _with_mass(scan, [found[i] for i in np.argsort(costs)[:WITH_MASS]])
+        costs += [cost for cost, _ in masses]
+        found += [problem for _, problem in masses]
+    if progress is not None:
+        progress(count, count)
     limit = CLOSE * min(costs) + NOISE
     near = [problem for cost, problem in zip(costs, found, strict=True) if cost <= limit]
     tried = [fitted(each, {str(p): p.start for p in each.model.parameters}, 1) for each in near]
     return sorted(tried, key=lambda each: each.chi2 + each.penalty)
+
+
+def _with_mass(scan: DefectScan, problems: Sequence[Problem]) -> list[tuple[float, Problem]]:
+    """Rough fits with another mass of a ball, as with a hole, instead of another size."""
+    model, found = scan.result.model, []
+    usual = dict(zip(model.names, scan.result.estimates.tolist(), strict=True))
+    for sized in problems:
+        radius = sized.model.parameters[-1]
+        name = replace(radius.name, key="mass")
+        if name in model.names:
+            continue
+        _, nominal = kind_and_value(radius.name, model.traces, model.chains)
+        _, mass = kind_and_value(name, model.traces, model.chains)
+        # The ball of the fitted size has this mass.
+        start = mass * (radius.start / nominal) ** 3
+        problem = _from(with_parameter(model, name, start), {**usual, name: start})
+        with contextlib.suppress(SimulationError):
+            solution = roughly_solved(problem)
+            values = problem.model.values(solution.variables)
+            found.append((solution.cost, _from(problem.model, values)))
+    return found
 
 
 def not_determined(scan: DefectScan, best: FitResult, others: Sequence[FitResult]) -> list[str]:
@@ -85,7 +112,7 @@ def not_determined(scan: DefectScan, best: FitResult, others: Sequence[FitResult
     shown = [f"{each.names[-1]} = {each.rows()[-1][1]} (chi2 {each.chi2:.0f})" for each in near]
     lines = [
         f"not excluded: {listed(shown)} instead of {name} (chi2 {best.chi2:.0f}); the data hardly "
-        "distinguish these places"
+        f"distinguish these {'causes' if scan.kind == 'bead' else 'places'}"
     ] if shown else []  # fmt: skip
     rough = scan.rough.get(name)
     return [*lines, *([] if rough is None else note_on_size(rough, best))]

@@ -216,6 +216,9 @@ class DefectScan:
     def fit(self, candidates: int | None = None, *, progress: Progress | None = None) -> FitResult:
         """Fit the defects, each in a separate fit, and return the best fit.
 
+        For the best odd balls, another mass is tried instead of another radius, as of a ball with a
+        hole.
+
         Parameters
         ----------
         candidates : int, optional

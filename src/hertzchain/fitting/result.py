@@ -25,7 +25,7 @@ from .model import Model
 from .plausibility import implausible_values
 from .prior_conflicts import conflict, deviations_from_priors
 from .problem import Problem
-from .shown_values import shown_diameter, shown_value
+from .shown_values import shown_size, shown_value
 from .silent_sensors import undetermined
 from .systematics import Effect
 from .uncertainty import Estimates
@@ -79,7 +79,7 @@ class FitResult(Estimates):
     misread : bool
         Whether the data require another sign, unit or order of columns, or other times.
     explained : bool
-        Whether ``advice`` names an error of the data, or of the number of balls, that explains all.
+        Whether ``advice`` names an error of the data or of the row that explains all.
     scan : str
         Losses from which a poor fit was started again, in words; or empty.
     without_priors : tuple of WithoutPriors
@@ -260,7 +260,7 @@ class FitResult(Estimates):
         return [
             (str(each), "not determined" if str(each) in unknown else shown_value(
                 each, self.traces, value, sigma, at_bound=str(each) in self.at_bounds
-            ) + shown_diameter(each, self.traces, self.model.chains, value, sigma))
+            ) + shown_size(each, self.traces, self.model.chains, value, sigma))
             for each, value, sigma in triples
         ]  # fmt: skip
 

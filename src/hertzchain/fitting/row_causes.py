@@ -1,4 +1,4 @@
-"""A gap, an odd ball or a ball of another material between sensors, as a cause of residuals.
+"""A gap, or a ball of another size, mass or material between sensors, as a cause of residuals.
 
 It makes the signals of all sensors beyond it late, as a wrong delay of those before it does.  A fit
 with a free delay of each sensor therefore shows between which of them it may be.
@@ -31,6 +31,9 @@ from .rough_gaps import contact_words, gap_names
 GAPS: Final = (0.4, 0.6, 0.8, 1.0, 1.3)
 NEAR_GAPS: Final = (0.95, 0.98, 1.01, 1.04)
 RADII: Final = (0.02, 0.05)
+# Fractions that a lighter ball lacks, as with a hole, and that a heavier one has in addition.
+LIGHTER: Final = (0.1, 0.3, 0.5, 0.7)
+HEAVIER: Final = (0.1, 0.3)
 # Largest number of defects that are fitted.
 MAX_FITS: Final = 4
 # Balls of softer materials are seen without any measurement [Pa].
@@ -42,8 +45,10 @@ SIMILAR, LESS_LIKELY = 4.0, 64.0
 WORSE: Final = 4.0
 # Balls on each side of the best place at which defects are tried again.
 NEAR: Final = 4
+# Parameters of one ball, whose effects are similar.
+OF_BALL: Final = ("radius", "mass")
 # Parameters without which the row is tried.
-OF_ROW: Final = ("delay", *OF_GAPS, "radius", "mass")
+OF_ROW: Final = ("delay", *OF_GAPS, *OF_BALL)
 TINY: Final = float(np.finfo(float).tiny)
 
 
@@ -61,6 +66,8 @@ class Base:
     late: float
     # The gap of the best fit until now.
     gap: float = 0.0
+    # Whether sizes and masses of all balls are tried, and nothing else.
+    wide: bool = False
 
     @property
     def values(self) -> dict[Name, float]:
@@ -113,28 +120,57 @@ class Trial:
 def row_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fits with a gap, an odd ball or a ball of another material between two sensors.
 
-    The most likely one is fitted first; from each better fit, all of them are tried again.
+    If none of them describes the data, and separate delays do not either, odd balls are tried in
+    the whole row: one beyond the last sensor in a ball reflects a part of the pulse.
     """
     if any(name.key in OF_ROW for name in result.model.names):
         return
     base = _base(result, start, refit)
     if base is None:
         return
+    explained, tried = base.fit.describes, set[str]()
+    for cause in _fits(base, refit, tried):
+        explained = explained or cause.result.describes
+        yield cause
+    if not explained:
+        yield from _fits(
+            replace(base, wide=True, first=1, last=ball_count(base.fit.chain)), refit, tried
+        )
+
+
+def _fits(base: Base, refit: Refit, tried: set[str]) -> Iterator[Cause]:
+    """The fits with these causes, of which the most likely one is fitted first.
+
+    From each better fit, all of them are tried again.
+    """
     best: Cause | None = None
-    tried: set[str] = set()
     for _ in range(MAX_FITS):
         trials = [each for each in _trials(base) if each.label not in tried]
         trial = min(trials, key=lambda each: each.cost, default=None)
         if trial is None or trial.cost > _limit(base, best):
             break
-        tried.add(trial.label)
-        cause = _fitted(trial, refit)
-        if cause is None:
-            continue
-        yield cause
-        if best is not None and cause.result.chi2 > best.result.chi2:
+        causes = []
+        for each in (trial, *_alike(trial, trials)):
+            tried.add(each.label)
+            causes.append(_fitted(each, refit))
+        found = [each for each in causes if each is not None]
+        yield from found
+        cause = min(found, key=lambda each: each.result.chi2, default=None)
+        if cause is None or (best is not None and cause.result.chi2 > best.result.chi2):
             continue
         best, base = cause, base.moved(cause.result, trial.ball)
+
+
+def _alike(trial: Trial, trials: Sequence[Trial]) -> list[Trial]:
+    """The trial of another mass of a ball beside that of another size, and vice versa."""
+    if trial.name is None or trial.name.key not in OF_BALL:
+        return []
+    others = [
+        each for each in trials
+        if each.ball == trial.ball and each.name is not None
+        and each.name.key in OF_BALL and each.name != trial.name
+    ]  # fmt: skip
+    return [min(others, key=lambda each: each.cost)] if others else []
 
 
 def _limit(base: Base, best: Cause | None) -> float:
@@ -145,7 +181,7 @@ def _limit(base: Base, best: Cause | None) -> float:
 
 
 def _trials(base: Base) -> list[Trial]:
-    return [*_gaps(base), *_balls(base)]
+    return [*([] if base.wide else _gaps(base)), *_balls(base)]
 
 
 def _base(result: FitResult, start: Mapping[str, float], refit: Refit) -> Base | None:
@@ -207,8 +243,20 @@ def _balls(base: Base) -> list[Trial]:
             if trial is not None:
                 advice = f"check the size of ball {ball}, or {_to_free(name)}"
                 trials.append(replace(trial, advice=advice))
-        trials += _materials(base, ball)
+        trials += _masses(base, ball)
+        trials += [] if base.wide else _materials(base, ball)
     return trials
+
+
+def _masses(base: Base, ball: int) -> Iterator[Trial]:
+    """A lighter and a heavier ball of the same size, such as one with a hole."""
+    name = Name("mass", str(ball))
+    _, mass = kind_and_value(name, base.model.traces, base.model.chains)
+    for sign, parts in ((-1.0, LIGHTER), (1.0, HEAVIER)):
+        trial = _of_size(base, name, ball, [mass * (1.0 + sign * part) for part in parts], mass)
+        if trial is not None:
+            advice = f"check the mass of ball {ball}, or {_to_free(name)}"
+            yield replace(trial, advice=advice)
 
 
 def _of_size(

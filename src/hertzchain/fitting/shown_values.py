@@ -64,18 +64,23 @@ def unit_of_parameter(parameter: Parameter, traces: Traces) -> str:
     return units.pop() if len(units) == 1 else parameter.kind.unit
 
 
-def shown_diameter(
+def shown_size(
     parameter: Parameter, traces: Traces, chains: Sequence[Chain], value: float, sigma: float
 ) -> str:
-    """Diameter of a ball, and its difference from the nominal one; empty for other parameters."""
-    if parameter.name.key.removeprefix("struck_by.") != "radius" or not 0.0 < sigma < np.inf:
+    """Diameter or mass of a ball in usual units, and its difference from the nominal one.
+
+    It is empty for other parameters.
+    """
+    key = parameter.name.key.removeprefix("struck_by.")
+    if key not in ("radius", "mass") or not 0.0 < sigma < np.inf:
         return ""
     _, nominal = kind_and_value(parameter.name, traces, chains)
     percent = with_error(100.0 * (value / nominal - 1.0), 100.0 * sigma / nominal)
     sign = "" if percent.startswith("-") else "+"
+    what, factor, unit = ("diameter ", 2e3, "mm") if key == "radius" else ("", 1e3, "g")
     return (
-        f": diameter {with_error(2e3 * value, 2e3 * sigma)} mm, {sign}{percent}% "
-        f"from {2e3 * nominal:.6g} mm"
+        f": {what}{with_error(factor * value, factor * sigma)} {unit}, {sign}{percent}% "
+        f"from {factor * nominal:.6g} {unit}"
     )
 
 

@@ -95,7 +95,9 @@ def plot_fitted_defects(scans: Sequence[DefectScan], fits: Mapping[str, FitResul
         plot_defect_scans(scans, legend=False, ax=upper)
         for i, scan in enumerate(scans):
             if (fit := fits.get(scan.kind)) is not None:
-                place = scan.places[scan.names.index(fit.names[-1])]
+                # The fit may have another mass of a ball instead of another radius.
+                places = [_place(each) for each in scan.names]
+                place = scan.places[places.index(_place(fit.names[-1]))]
                 label = f"fitted: {_place(fit.names[-1])}, {_fitted_value(fit)}"
                 upper.plot(place, fit.chi2, "*", color=curve_colour(upper, i), markersize=13.0,
                            markeredgecolor=grey(upper, 0.0), label=literal(label),
@@ -107,10 +109,11 @@ def plot_fitted_defects(scans: Sequence[DefectScan], fits: Mapping[str, FitResul
 
 
 def _fitted_value(fit: FitResult) -> str:
-    """Value and error of a fitted gap, or of the diameter of a fitted ball."""
+    """Value and error of a fitted gap, or of the diameter or mass of a fitted ball."""
     text = dict(fit.rows())[fit.names[-1]]
-    _, _, diameter = text.partition("diameter ")
-    return with_micro((diameter.partition(",")[0] or text).replace("+-", "±"))
+    _, _, usual = text.partition(": ")
+    own = usual.removeprefix("diameter ").partition(",")[0] or text
+    return with_micro(own.replace("+-", "±"))
 
 
 def _draw_improved(axes: Axes, without: FitResult, best: FitResult) -> None:

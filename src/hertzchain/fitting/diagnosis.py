@@ -25,6 +25,7 @@ from .effect_limits import limited
 from .exchanged_columns import MUCH_BETTER
 from .free_causes import MAX_TRIED, MOST, PROMISING, other_places
 from .gap_causes import small_gap_causes
+from .goodness import rounded_chi2
 from .misread_columns import misread_columns
 from .misread_places import rms_difference
 from .misread_times import check_times, misread_times
@@ -213,7 +214,10 @@ def _without_consequences(result: FitResult) -> FitResult:
 
 def _is_certain(cause: Cause) -> bool:
     """Whether a cause is one of the data or the row, and not a parameter that may hide another."""
-    return (cause.misread or cause.count) and cause.result.describes
+    found = cause.result
+    return found.describes and (
+        cause.misread or cause.count or (cause.row and not found.prior_conflict)
+    )
 
 
 def _count_first(best: Cause, good: Sequence[Cause]) -> tuple[Cause, str]:
@@ -366,7 +370,8 @@ def _sentence(result: FitResult, cause: Cause) -> str:
 
 def _improved(result: FitResult, cause: Cause) -> str:
     """By how much a cause lowers chi-squared."""
-    text = f"with {cause.what}, chi2 falls from {result.chi2:.0f} to {cause.result.chi2:.0f}"
+    text = f"with {cause.what}, chi2 falls from {rounded_chi2(result.chi2)} to "
+    text += rounded_chi2(cause.result.chi2)
     if cause.result.describes:
         return f"{text}, and the model describes the data"
     return f"{text}, by {_removed(result, cause.result):.0%} of its excess"

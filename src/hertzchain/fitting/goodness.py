@@ -38,6 +38,8 @@ FAR_BELOW: Final = 0.01
 EXPLAINED: Final = 25.0
 # Larger numbers of standard deviations are not stated, because they have no meaning.
 MANY: Final = 10.0
+# Values of chi-squared beyond this one are shown with two digits.
+LARGE: Final = 1e7
 # Ratio of a chi-squared to its expectation above which it is stated without an error, which is that
 # of the residuals of a true model.
 NO_ERROR: Final = 10.0
@@ -223,9 +225,9 @@ class Goodness:
             )
         ratio = f"{self.ratio:.{digits}f} +- {self.uncertainty:.{digits}f}"
         if self.ratio > NO_ERROR and self.excess > MANY:
-            ratio = f"{self.ratio:.0f}"
+            ratio = rounded_chi2(self.ratio)
         return (
-            f"chi2 {self.chi2:.1f} for {self.freedom} degrees of freedom ({samples}), "
+            f"chi2 {rounded_chi2(self.chi2, 1)} for {self.freedom} degrees of freedom ({samples}), "
             f"{ratio} times the expectation"
         )
 
@@ -233,6 +235,11 @@ class Goodness:
     def inflation(self) -> float:
         """Counted samples per independent sample."""
         return self.counted / self.effective_samples
+
+
+def rounded_chi2(chi2: float, decimals: int = 0) -> str:
+    """A value of chi-squared; large ones, which have no meaning, have two digits."""
+    return f"{chi2:.{decimals}f}" if not chi2 >= LARGE else f"{chi2:.1e}".replace("e+", "e")
 
 
 @dataclass(frozen=True, eq=False)

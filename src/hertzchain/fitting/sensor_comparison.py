@@ -19,7 +19,7 @@ from ..traces.headers import GAIN_UNITS
 from ..traces.signals import Shot, Signal
 from .crossings import arrival_error, duration_above, half_width, reached
 from .misread_columns import prefix_of
-from .shown_values import shown_difference, shown_part
+from .shown_values import shown_difference, shown_part, shown_ratio
 
 # A simulated signal that is still rising at the end of the run below this fraction of the measured
 # peak, or of the largest value anywhere in the run, shows that the pulse has not arrived.
@@ -337,8 +337,8 @@ def check_durations(shot: Shot, columns: Sequence[Array], grid: Array) -> None:
         if unresolved or prefix_of(lasting):
             least = "at least " if unresolved else ""
             raise InputError(
-                f"the measured pulse of {signal.name} lasts {least}{lasting:.3g} times as long as "
-                "the simulated one; check the unit of the times of the data, such as 'time [us]'"
+                f"the measured pulse of {signal.name} lasts {least}{shown_ratio(lasting)} as long "
+                "as the simulated one; check the unit of the times of the data, such as 'time [us]'"
             )
 
 

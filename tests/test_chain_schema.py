@@ -20,10 +20,10 @@ from hertzchain.store.chain_schema import (
     SECTIONS,
     TABLES,
     chain_schema,
-    dimensions_of,
 )
 from hertzchain.store.drive_tables import DRIVES
 from hertzchain.store.schema_checks import check_document
+from hertzchain.store.schema_paths import dimensions_of
 from hertzchain.sweeps.specification import specification_schema
 from hertzchain.units import UNITS
 

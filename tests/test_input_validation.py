@@ -13,7 +13,8 @@ from hertzchain import Chain
 
 # Classes that users do not create; only their methods are called.
 RESULTS = (
-    "Budget", "Calibration", "DefectScan", "DesignResult", "Distribution", "EffectiveChain",
+    "BodyForce", "Budget", "Calibration", "DefectScan", "DesignResult", "Distribution",
+    "EffectiveChain",
     "EffectivePulse", "EnergyBalance", "EnergyFlux", "Gradient",
     "FitResult", "Forecast", "Fronts", "LabSheet", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",

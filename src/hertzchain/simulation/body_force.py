@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -61,7 +62,7 @@ def body_force(run: Run) -> BodyForce | None:
             found = _from_saved_times(fine)
             if found is not None:
                 whole = fine.times[0] <= 0.0
-                found = found._replace(complete=whole and bool(run._complete[RIGHT]))
+                found = replace(found, complete=whole and bool(run._complete[RIGHT]))
             run.__dict__["_body_force"] = found
     known: BodyForce | None = run.__dict__["_body_force"]
     return known

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..chain.chain import Chain
 from ..errors import IncompleteWarning, InputError, warn_user
@@ -26,7 +27,8 @@ def body_in_words(chain: Chain) -> str:
     return "the last body" if chain.cap is None else "the cap"
 
 
-class BodyForce(NamedTuple):
+@dataclass(frozen=True)
+class BodyForce:
     """The largest force of the last contact on the body behind it, without the static force.
 
     The result of `hertzchain.Run.body_force`.

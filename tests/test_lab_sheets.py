@@ -403,7 +403,11 @@ def test_contacts_that_yield_are_reported():
     found = hc.lab_sheet(CELL, sensors=["ball 6"], speeds=["0.1 m/s", "5 m/s"])
     assert found.warnings
     assert all(each.startswith("at 5000 mm/s, ") for each in found.warnings)
-    assert "pressure / yield" in found.to_html()
+    page = found.to_html()
+    # The teacher reads a sentence without arguments of Python or options.
+    assert ">At 5000 mm/s, pressure / yield" in page
+    assert "use smaller speeds.</p>" in page
+    assert "ElasticPlastic" not in page
 
 
 @pytest.mark.parametrize(
@@ -472,3 +476,17 @@ def test_bad_options_are_explained(tmp_path, run, options, said, monkeypatch):
     assert code == 2
     assert said in err
     assert not list(tmp_path.glob("a.*"))
+
+
+def test_static_forces_are_listed_for_sensors_with_ac_coupling():
+    column = CELL.replace(gravity=9.81)
+    sheet = hc.lab_sheet(column, sensors=["ball 6", "wall"], heights=HEIGHTS)
+    forces, page = column.static_state.forces, sheet.to_markdown()
+    k = column.strikers + 6
+    ball = 0.5 * (forces[k - 1] + forces[k])
+    said = f"The static force is {ball:.3g} N in ball 6 and {forces[-1]:.3g} N on the load cell."
+    assert said in page
+    assert "AC coupling" in page
+    assert "AC coupling" not in hc.lab_sheet(CELL, heights=HEIGHTS).to_markdown()
+    # The row has a second scale, so that only Hertz's law itself has the exponent 0.6 of h.
+    assert "As a function of the height h, with v² = 2gh, Hertz's exponent is 0.6." in page

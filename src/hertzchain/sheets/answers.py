@@ -71,7 +71,8 @@ def _exponent(value: float) -> str:
 def on_exponents(sheet: LabSheet) -> str:
     """Which exponents theory predicts, and why others are computed."""
     scales, law = other_scales(sheet.chain), "proportional to v^(6/5)"
-    height = f" With the height h, v² = 2gh halves it: {EXPONENT_OF_FORCES / 2:.1f}."
+    height = (f" As a function of the height h, with v² = 2gh, Hertz's exponent is "
+              f"{EXPONENT_OF_FORCES / 2:.1f}.")  # fmt: skip
     if not scales:
         return (
             f"All contacts of this row follow Hertz's law without other scales of force or "

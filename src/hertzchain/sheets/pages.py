@@ -27,6 +27,7 @@ ON_RATIOS: Final = (
     "lowers forces more, the farther the sensor is from the impact."
 )
 ON_GAPS: Final = " Gaps delay the pulse, most at small speeds, and can lower or raise the forces."
+BEYOND: Final = "Beyond this limit, Hertz's law does not hold: use smaller speeds."
 
 
 def html(sheet: LabSheet) -> str:
@@ -67,8 +68,14 @@ def _context(sheet: LabSheet) -> dict[str, Any]:
                     ON_RATIOS + ON_GAPS * (not answers.rests(sheet.chain)),
                     answers.on_errors(sheet)],
         "answer_tables": [each for each in tables if each is not None],
-        "warnings": sheet.warnings,
+        "warnings": [_warning(each) for each in sheet.warnings],
     }  # fmt: skip
+
+
+def _warning(text: str) -> str:
+    """A limit that is exceeded, as a sentence without advice on arguments and options."""
+    limit = text.partition("; ")[0]
+    return f"{limit[0].upper()}{limit[1:]}. {BEYOND}"
 
 
 def _description(chain: Chain) -> str:

@@ -15,6 +15,8 @@ from ..chain.description import (
 from ..chain.walls import Wall
 from ..collision import Array
 from ..representation import listed
+from ..traces.coupling import static_force
+from ..traces.places import Place
 from .kinds import is_column, is_load_cell
 from .losses import losses_in_words
 from .sheet import WALL, LabSheet
@@ -145,7 +147,27 @@ def _conditions(sheet: LabSheet) -> list[str]:
     ]  # fmt: skip
     words = [text.replace(" um", " µm") for present, text in found if present]
     whose = "The teacher's" if sheet.blank else "The"
-    return [f"{whose} predictions include {listed(words)}."] if words else []
+    included = [f"{whose} predictions include {listed(words)}."] if words else []
+    return [*included, *_static_forces(sheet)]
+
+
+def _static_forces(sheet: LabSheet) -> list[str]:
+    """The static force in each sensor, which AC-coupled sensors do not measure."""
+    chain = sheet.chain
+    places = [
+        Place(each, "right", 0, "force") if each == WALL
+        else Place(each, "bead", bead_number(chain, each), "force")
+        for each in sheet.places
+    ]  # fmt: skip
+    forces = [static_force(each, chain) for each in places]
+    if not any(forces):
+        return []
+    found = [f"{force:.3g} N {at_place(chain, place)}"
+             for force, place in zip(forces, sheet.places, strict=True)]  # fmt: skip
+    return [
+        f"The static force is {listed(found)}. A sensor with AC coupling, such as a piezoelectric "
+        "one, does not measure it: subtract it from the predicted force."
+    ]
 
 
 def _sensors(sheet: LabSheet) -> str:

@@ -50,7 +50,12 @@ def test_a_record_is_aligned_and_scaled_as_by_compare(scope):
     measured = header["record"]
     assert measured["aligned"]
     assert measured["offset"] == pytest.approx(OFFSET, abs=1e-7)
-    assert [each["label"] for each in measured["curves"]] == ["ball 6", "wall in V (1 N is 0.02 V)"]
+    ball, wall = (each["label"] for each in measured["curves"])
+    # The legend has the measured peak, with the noise, and the difference of the simulated one.
+    peak, difference = re.fullmatch(r"ball 6: (\S+) N, simulated ([+-]\S+)%", ball).groups()
+    assert float(peak) == pytest.approx(arrays["force.6"].max(), rel=0.005)
+    assert abs(float(difference)) < 0.5
+    assert wall == "wall in V (1 N is 0.02 V)"
     assert [each["place"] for each in measured["curves"]] == ["6", "right"]
     # The measured curves are the simulated ones and noise, at the same times.
     for key, curve, noise in (("0", "6", 0.3), ("1", "right", 0.7)):
@@ -177,3 +182,24 @@ def test_the_live_app_begins_with_the_chains_sensors_and_data_of_the_options(
     assert until["view"] == {"errors": "theories", "until": 1e-3}
     with pytest.raises(click.UsageError, match="'CH1=wall' is the place of a column: add --data"):
         cli.main(["app", str(lab), "--sensor", "CH1=wall"], standalone_mode=False)
+
+
+def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope):
+    head, *rows = scope.read_text().splitlines()[1:]
+    # The sensor in a ball shows a spike before the pulse, and noise instead of it.
+    lines = [head]
+    for i, row in enumerate(rows):
+        time, ball, _ = row.split(",")
+        lines.append(f"{time},{ball},{1.0 if i == 20 else 1e-5 * float(ball):.6g}")
+    text = "\n".join(lines) + "\n"
+    record = keep_of(text)
+    header, arrays = computed(LAB, sensors=[6], record=record)["run"]
+    shown = header["record"]
+    assert [each["place"] for each in shown["curves"]] == ["6"]
+    assert "record.1" not in arrays
+    said = r"wall is not shown: with the fitted scale of .* V/N, it would reach"
+    assert any(re.search(said, each) for each in shown["notes"])
+
+
+def keep_of(text):
+    return read_record({"name": "scope.csv", "text": text, "sensors": PLACES})["record"]

@@ -13,6 +13,7 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..fitting.compare_traces import compare_traces
 from ..fitting.compared_run import run_to_compare
+from ..fitting.shown_values import shown_difference
 from ..fitting.trace_comparison import TraceComparison
 from ..recorded_warnings import ignore_warnings
 from ..traces.amplitudes import level_of
@@ -24,6 +25,9 @@ from .records import Record
 # Largest number of saved times of the run for the comparison, and of samples that are drawn.
 MAX_TIMES: Final = 40_000
 MAX_SAMPLES: Final = 6000
+# Scaled samples beyond this multiple of the largest simulated force belong to another signal: they
+# are not drawn, because all other curves would lie on the axis.
+ABSURD: Final = 30.0
 
 
 def record_curves(
@@ -80,12 +84,28 @@ def _in_newton(
         scale, model = found.scales[number], found.signals[number]
         if not scale:
             return None, f"{signal.name} is in V and has no pulse to which it can be scaled"
+        largest = float(np.nanmax(np.abs(model)))
+        reached = float(np.nanmax(np.abs(values - level_of(resolved)))) / abs(scale)
+        if reached > ABSURD * largest:
+            return None, (f"{signal.name} is not shown: with the fitted scale of {scale:.4g} V/N, "
+                          f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]
         values = first + (values - level_of(resolved)) / scale
         label += f" in V (1 N is {scale:.4g} V)"
+    else:
+        label += _peak(found, signal.name)
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
+
+
+def _peak(found: TraceComparison, name: str) -> str:
+    """The measured peak for the legend, and the difference of the simulated one."""
+    each = next((each for each in found.sensors if each.name == name), None)
+    if each is None or not np.isfinite(each.peak_ratio):
+        return ""
+    difference = shown_difference(each.peak_ratio)
+    return f": {each.shown_peaks[0]}" + f", simulated {difference}" * difference.endswith("%")
 
 
 def _curve_at(place: Place, chain: Chain) -> str:

@@ -55,7 +55,7 @@ def beads_description(
         return f"uniform{odd.scaled_words}, {beads}"
     if odd is not None:
         counted = beads_of(count, "beads", [odd.usual_material or "SI"])
-        size = f"diameter {length_in_words(2.0 * odd.usual_radius)}"
+        size = f"diameter {diameter_in_words(odd.usual_radius)}"
         return ", ".join(filter(None, (counted, size, odd.words, scatter)))
     if scaled:
         kind = "uniform" if np.ptp(radii) == 0.0 else _decorated_taper(radii) or "given radii"
@@ -215,7 +215,7 @@ def sizes_in_words(radii: Array) -> str:
     """
     low, high = radii.min(), radii.max()
     if low == high:
-        return length_in_words(2.0 * low)
+        return diameter_in_words(low)
     if len(radii) > 2 and cell_repeats(2, radii):
         one, other = _distinguishable(radii[0], radii[1])
         return f"{one} and {other} in turn"
@@ -302,6 +302,12 @@ def length_in_words(length: float, digits: int = 4) -> str:
     """A length in m, mm or um."""
     factor, unit = (1.0, "m") if length >= 1.0 else (1e3, "mm") if length >= 1e-4 else (1e6, "um")
     return f"{factor * length:.{digits}g} {unit}"
+
+
+def diameter_in_words(radius: float) -> str:
+    """The diameter of a ball in m, mm or um: five digits if it has no more, such as 15.875 mm."""
+    usual, exact = (length_in_words(2.0 * radius, digits) for digits in (5, 8))
+    return usual if usual == exact else length_in_words(2.0 * radius)
 
 
 def mass_in_words(mass: float) -> str:

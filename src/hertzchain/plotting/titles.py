@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..chain.description import (
     OddBead,
     beads_of,
+    diameter_in_words,
     law_in_words,
     length_in_words,
     mass_in_words,
@@ -100,7 +101,7 @@ def _with_strikers(beads: str, chain: Chain, odd: OddBead | None, *, named: bool
     first, radii = chain.strikers, (chain.scatter or chain).radii
     balls = [sizes_in_words(radii[chain._balls])]
     if odd is not None:
-        balls = [length_in_words(2.0 * odd.usual_radius), odd.words]
+        balls = [diameter_in_words(odd.usual_radius), odd.words]
     scatter = chain.scatter.words(chain.radii, chain._balls) if chain.scatter else ""
     balls += filter(None, (shape_in_words(radii[chain._balls]), scatter))
     if not (first and named):

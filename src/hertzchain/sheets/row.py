@@ -7,6 +7,7 @@ import numpy as np
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
 from ..chain.description import (
+    diameter_in_words,
     length_in_words,
     mass_in_words,
     sizes_in_words,
@@ -60,7 +61,7 @@ def _balls(chain: Chain) -> str:
     if "masses" in chain.given:
         size = f" with {_masses(masses)}"
     elif np.ptp(radii) == 0.0:
-        size = f" with a diameter of {length_in_words(2.0 * radii[0])} and {_masses(masses)}"
+        size = f" with a diameter of {diameter_in_words(radii[0])} and {_masses(masses)}"
     else:
         size = f" ({sizes_in_words(radii)}) with {_masses(masses)}"
     return f"{count}{_of_materials(chain, balls)}{size}."
@@ -98,7 +99,7 @@ def _striker(chain: Chain) -> str:
         return f"There are {count} strikers{kind} with {_masses(masses)}."
     if flat:
         return f"The striker is a body{kind} with a flat face and {_masses(masses)}."
-    diameter = f"a diameter of {length_in_words(2.0 * float(radii[0]))} and "
+    diameter = f"a diameter of {diameter_in_words(float(radii[0]))} and "
     shape = "" if "masses" in chain.given or not chain.strikers_are_spheres else diameter
     return f"The striker is a ball{kind} with {shape}{_masses(masses)}."
 

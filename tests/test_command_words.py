@@ -156,6 +156,8 @@ def test_shown_defaults_are_accepted(run, tmp_path, monkeypatch, command, option
         (["pulse", "--beads", "5", "--rtol", "1"], "at most 1e-05, got 1\n"),
         (["pulse", "--material", "stone", "--diameter", "9 mm"],
          "or define a custom one as [materials.NAME] in a chain file\n"),
+        (["simulate", *BALLS[:-4], "--height", "0 mm"], "--height must be above 0, got '0 mm'\n"),
+        (["simulate", *BALLS[:-4], "--height", "-1mm"], "--height must be above 0, got '-1mm'\n"),
         (["simulate", *BALLS, "--until", "-2 ms"], "--until must be above 0, got '-2 ms'\n"),
         (["simulate", *BALLS, "--step", "1 us"],
          "--step and --drift require --method symplectic, verlet or forward-4\n"),

@@ -221,9 +221,11 @@ def _impact(speeds: tuple[str, ...], heights: tuple[str, ...]) -> dict[str, Any]
 def with_height(height: str) -> dict[str, str]:
     """A height, and the speed after a fall from it."""
     from ..chain.strikers import speed_of_fall
+    from ..validation.numbers import number
 
     require_unit("--height", height, "m", "mm")
-    return {"height": height, "speed": f"{speed_of_fall('--height', as_typed(height))!r} m/s"}
+    fall = number("--height", as_typed(height), unit="m", above=0.0)
+    return {"height": height, "speed": f"{speed_of_fall('--height', fall)!r} m/s"}
 
 
 def chain_from(options: ChainOptions) -> Chain:

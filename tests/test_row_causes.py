@@ -5,6 +5,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.fitting.defect_fits import fits_of_defect
+from hertzchain.fitting.goodness import rounded_chi2
 from hertzchain.fitting.row_causes import _with_material
 
 FREE = ["stiffness", "loss.time", "time_offset"]
@@ -72,3 +73,10 @@ def test_a_search_for_an_odd_ball_tries_its_mass():
     first = fits_of_defect(hc.scan_defects(result, "bead"), 4)[0]
     assert first.names[-1] == "mass[9]"
     assert first.values["mass[9]"] == pytest.approx(with_mass(0.9).masses[9], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("chi2", "shown"), [(2332.74, "2332.7"), (11735424092560.5, "1.2e13"), (4.9e9, "4.9e9")]
+)
+def test_large_values_of_chi2_have_two_digits(chi2, shown):
+    assert rounded_chi2(chi2, 1) == shown

@@ -239,7 +239,10 @@ class Goodness:
 
 def rounded_chi2(chi2: float, decimals: int = 0) -> str:
     """A value of chi-squared; large ones, which have no meaning, have two digits."""
-    return f"{chi2:.{decimals}f}" if not chi2 >= LARGE else f"{chi2:.1e}".replace("e+", "e")
+    if not chi2 >= LARGE:
+        return f"{chi2:.{decimals}f}"
+    digits, _, power = f"{chi2:.1e}".partition("e")
+    return f"{digits}e{int(power)}"
 
 
 @dataclass(frozen=True, eq=False)

@@ -326,16 +326,17 @@ def test_reached_at_sensors_and_walls():
     assert "the pulse has not arrived" in repr(sensor)
 
 
-def test_forces_in_front_of_a_pulse_are_neither_contacts_nor_impulses():
+def test_forces_in_front_of_a_pulse_are_not_contacts():
     """The force in front of the pulse decays double exponentially, here to 1e-150 N."""
     balls = hc.Chain.from_materials(10e-3, "steel-52100", beads=20, velocity=0.1)
     chain = balls.decorated(diameter="8 mm").replace(right_wall=hc.Wall())
     with pytest.warns(hc.IncompleteWarning, match="had not reached the right wall"):
         wall = hc.simulate(chain, until="1.17 ms", times=10).wall_force()
     assert 0.0 < wall.largest_so_far < 1e-100
-    assert (wall.reached, wall.touches, wall.impulse) == (False, 0, 0.0)
+    assert (wall.reached, wall.touches) == (False, 0)
     assert "the pulse has not arrived" in repr(wall)
     assert "contact with the wall" not in repr(wall)
+    assert "impulse" not in repr(wall)
     with pytest.warns(hc.IncompleteWarning, match="is not complete"):
         assert hc.simulate(chain, until="1.8 ms", times=10).wall_force().touches == 1
 

@@ -42,7 +42,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..collision import Array
 from ..errors import InputError
 from ..representation import counted, short
-from ..validation.keywords import checked_arguments
+from ..validation.keywords import checked_arguments, checked_methods
 from .chain import Chain
 from .contact_groups import law_yield_ratios
 from .feature_support import require_chain
@@ -84,6 +84,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+@checked_methods
 @dataclass(frozen=True, eq=False)
 class HertzRange:
     """Ratios that show how far contacts are from the limits of Hertz's law.

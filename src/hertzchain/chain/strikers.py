@@ -302,10 +302,13 @@ def _half(diameter: float, unit: str) -> float:
 
 def _sphere_mass(chain: ChainFields, radius: float, own: Material | None) -> float:
     """Mass of a sphere of a material, by default with the density of the first bead."""
-    if own is not None:
-        return 4.0 / 3.0 * math.pi * own.density * radius**3
-    first = chain.strikers
-    return float(chain.masses[first] * (radius / chain.radii[first]) ** 3)
+    # An infinite mass is rejected afterwards.
+    with np.errstate(over="ignore"):
+        cube = np.float64(radius) ** 3
+        if own is not None:
+            return float(4.0 / 3.0 * math.pi * own.density * cube)
+        first = chain.strikers
+        return float(chain.masses[first] / chain.radii[first] ** 3 * cube)
 
 
 def _listed_stiffness(

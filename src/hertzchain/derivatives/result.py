@@ -258,9 +258,9 @@ class Gradient(Frozen):
         value = f"{self.value:.6g}" + (f" {self.unit}" if self.unit not in ("", "1") else "")
         return short(
             "Gradient", f"{self.quantity} = {value}", names,
-            f"in % per 1%: relative({next(iter(self.gradient))!r})",
             f"relative error about {self.error:.1g}",
             "" if self.method == "adjoint" else f"by {self.method}", *self._remarks,
+            f"in % per 1%: relative({next(iter(self.gradient))!r})",
         )  # fmt: skip
 
     def _repr_html_(self) -> str:

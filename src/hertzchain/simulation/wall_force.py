@@ -112,8 +112,8 @@ class WallForce(Compared):
         of the momentum are ignored, and by less than 1e-6 with the larger tolerances of
         `simulate_many` and `gradient`.  With a very stiff wall, many short contacts follow.
     impulse : float
-        Impulse of the whole run; 0 if the pulse has not arrived.  It exceeds that of the impact if
-        further beads arrive later, as in forward tapers.
+        Impulse of the whole run.  It exceeds that of the impact if further beads arrive later,
+        as in forward tapers.
     static_force : float
         Force on the wall at rest, of gravity or precompression.
     units : str
@@ -301,7 +301,7 @@ def wall_force_of(
         impulse_of_impact=float(completion[state_layout.IMPACT_IMPULSE, i]) if ended else math.nan,
         first_contact_end=float(walls[state_layout.FIRST_END, i]) if opened else None,
         first_contact_impulse=float(walls[state_layout.FIRST_IMPULSE, i]) if opened else None,
-        impulse=float(impulses[i]) if reached else 0.0,
+        impulse=float(impulses[i]),
         static_force=float(chain.static_state.forces[0 if side == "left" else -1]),
         units=chain.units,
     )

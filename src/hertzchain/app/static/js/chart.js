@@ -18,6 +18,8 @@ const LEFT = 62, RIGHT = 20, TOP = 20, BOTTOM = 32;
 /** Pixels between circles on a line, and a circle around the current point. */
 const BETWEEN = 15;
 export const CIRCLE = "m-2.4 0a2.4 2.4 0 1 0 4.8 0a2.4 2.4 0 1 0-4.8 0";
+/** Heights of the chart beyond which curves are cut. */
+const FAR = 1000;
 /** Pixels from which a movement is a drag, and largest zoom. */
 const DRAG = 5, MOST_ZOOM = 500;
 
@@ -129,7 +131,8 @@ export class Chart {
   py(y) {
     const [low, high] = this.y;
     const u = this.log ? Math.log(y / low) / Math.log(high / low) : (y - low) / (high - low);
-    return this.H - BOTTOM - u * (this.H - TOP - BOTTOM);
+    // Browsers reject longer numbers, of curves far outside the part that is shown.
+    return this.H - BOTTOM - Math.max(-FAR, Math.min(FAR, u)) * (this.H - TOP - BOTTOM);
   }
 
   /** @param {Series[]} series @param {Axes} axes @param {string} summary */

@@ -1,5 +1,6 @@
 """Limits that elastic contacts meet and contacts that yield violate, and rejected trials."""
 
+import re
 import warnings
 
 import numpy as np

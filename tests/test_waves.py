@@ -194,6 +194,12 @@ def test_a_run_in_which_nothing_moves_has_no_waves():
         run.reflection(2, 4)
 
 
+def test_contacts_in_the_wrong_order_are_named():
+    run = hc.simulate(hc.Chain.uniform(60), until=40.0, times=800)
+    with pytest.raises(hc.SimulationError, match="waves from contact 10 do: exchange before and"):
+        run.reflection(30, 10)
+
+
 def test_weak_waves_that_are_not_resolved_are_marked():
     chain = hc.Chain.tapered("forward-exponential", 0.05, beads=40)
     radii = np.concatenate((np.ones(40), chain.radii[1:]))

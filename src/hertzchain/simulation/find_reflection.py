@@ -129,9 +129,11 @@ def reflection_of(
     near = [event for event in _events_at(self, first) if event.time >= begin]
     incident = next((event for event in near if event.direction == sign), None)
     if incident is None or incident.time > stop:
+        back = any(event.direction != sign for event in near)
+        hint = f"; waves from contact {second} do: exchange before and after" if back else ""
         raise SimulationError(
             f"no wave towards contact {second} passes contact {first} in the given time "
-            f"interval; {self.message}"
+            f"interval{hint}; {self.message}"
         )
     far = [event for event in _events_at(self, second) if event.time > incident.time]
     stop = min(stop, float(self.times[-1]))

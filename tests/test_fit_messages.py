@@ -219,8 +219,12 @@ def test_offsets_have_the_unit_of_their_sensor():
          "fix one of them, or give it a prior"),
         ({"lag": 1.0, "time_offset": -0.4}, False, ("lag",),
          "the data hardly determine lag and time_offset separately: signals hardly "
-         "change if the relative changes of these are in the ratio 1 : -0.4; only the prior of lag "
-         "fixes them"),
+         "change if the changes of these are in the ratio 1 : -0.4; only the prior of lag fixes "
+         "them"),
+        ({"stiffness": 0.02, "time_offset": 1.0}, False, (),
+         "the data hardly determine stiffness and time_offset separately: signals hardly change if "
+         "the relative changes of these, and the changes of time_offset in us, are in the ratio "
+         "0.02 : 1; fix one of them, or give it a prior"),
         ({"gain[a]": 1.0, "gain[b]": 0.5}, True, ("gain[a]", "gain[b]"),
          "the data determine only a combination of the gains: signals stay the same if the "
          "relative changes of these are in the ratio 1 : 0.5; only the priors of the gains fix "

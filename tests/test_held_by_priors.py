@@ -11,7 +11,7 @@ from scipy_row import FREE, VELOCITY, chain, recorded, traces
 import hertzchain as hc
 from hertzchain.cli import cli
 from hertzchain.fitting.held_by_priors import HeldByPriors, held_by_priors, prior_notes
-from hertzchain.fitting.weak_directions import WeakDirection
+from hertzchain.fitting.weak_directions import WeakDirection, weak_directions
 
 GAINS = ("gain[ball 5]", "gain[ball 10]", "gain[wall]")
 
@@ -134,3 +134,66 @@ def test_a_forecast_names_the_prior_that_must_be_better(weighed):
     assert not any("the data determine only" in each for each in found["warnings"])
     # With less noise, the data determine the velocity.
     assert json.loads(forecast_of(weighed, "0.5 mV").stdout)["held_by_priors"] == []
+
+
+# The delays of two sensors are measured only from the time offset, each with an error of 1 ns.
+DELAYS = ("time_offset", "delay[ball 5]", "delay[wall]")
+SHIFTS = np.array([[1.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.0, 0.0, 0.0]]) / 1e-9
+# The size of the time offset is the time in which a pulse passes a ball.
+TIMES = np.array([20e-6, 1e-6, 1e-6])
+
+
+@pytest.mark.parametrize("prior", [0.5, 2.0, 200.0])
+def test_a_prior_of_any_width_fixes_what_the_data_do_not_determine(prior):
+    (found,) = weak_directions(DELAYS, SHIFTS, np.zeros(3), TIMES, {"delay[wall]": prior})
+    assert found.exact
+    assert found.fixed_by == ("delay[wall]",)
+    assert {name: found.weights[name] / found.weights["time_offset"] for name in DELAYS} == (
+        pytest.approx({"time_offset": 1.0, "delay[ball 5]": -1.0, "delay[wall]": -1.0})
+    )
+    assert "if the changes of these are in the ratio 1 : -1 : -1; only the prior" in str(found)
+
+
+def test_directions_without_priors_are_not_fixed():
+    (found,) = weak_directions(DELAYS, SHIFTS, np.zeros(3), TIMES, {})
+    assert (found.fixed_by, {*found.weights}) == ((), {*DELAYS})
+
+
+def test_changes_of_times_do_not_depend_on_their_values():
+    values = np.array([3e-6, 2e-6, -0.05e-6])
+    (found,) = weak_directions(DELAYS, SHIFTS, values, TIMES, {})
+    assert [abs(each) for each in found.weights.values()] == pytest.approx([1.0, 1.0, 1.0])
+
+
+def test_one_prior_fixes_only_one_of_two_directions():
+    # Of a, b, c and d, the data determine a + b and c + d.
+    data = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0]]) * 1e6
+    turned = np.concatenate(([[0.6, 0.8], [-0.8, 0.6]] @ data, np.zeros((2, 4))))
+    found = weak_directions("abcd", turned, np.ones(4), np.ones(4), {"a": 5.0})
+    assert {each.fixed_by: {*each.weights} for each in found} == {
+        ("a",): {"a", "b"}, (): {"c", "d"},
+    }  # fmt: skip
+
+
+def test_a_prior_fixes_a_weak_direction_if_it_is_narrower_than_the_data():
+    # The data determine the sum well and the difference with an error of 10.
+    data = np.array([[1e3, 1e3], [0.1, -0.1]]) / 2.0**0.5
+    for sigma, fixed in ((3.0, ("a",)), (30.0, ())):
+        (found,) = weak_directions("ab", data, np.ones(2), np.ones(2), {"a": sigma})
+        assert (found.exact, found.fixed_by) == (False, fixed)
+
+
+@pytest.mark.parametrize("sigma", [0.5e-6, 2e-6])
+@pytest.mark.parametrize("with_prior", [0, 1, 3])
+def test_errors_of_delays_with_a_free_time_offset_are_those_of_their_priors(sigma, with_prior):
+    delays = ["delay[ball 5]", "delay[ball 10]", "delay[wall]"]
+    plan = hc.forecast(
+        chain(), ["ball 5", "ball 10", "wall"], noise="10 mN", interval="1 us",
+        free=[*FREE, *delays], priors=dict.fromkeys(delays[:with_prior], (0.0, sigma)),
+    )  # fmt: skip
+    for name in ("time_offset", *delays):
+        # The mean of the priors determines the common shift.
+        expected = sigma / math.sqrt(with_prior) if with_prior else math.inf
+        assert plan.errors[name] == pytest.approx(expected, rel=0.05)
+    assert ("not determined" in plan.summary()) == (not with_prior)
+    assert ("only the prior" in plan.summary()) == bool(with_prior)

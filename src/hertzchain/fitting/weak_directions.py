@@ -18,6 +18,13 @@ WEAK, EXACT_PART = 1.0, 3e-6
 MIN_WEIGHT: Final = 0.1
 # Fraction of the size of a parameter below which a change relative to its value has no meaning.
 NEAR_ZERO: Final = 0.01
+# Smallest weight with which a prior fixes an exact direction, above errors of derivatives.
+PRIOR_WEIGHT: Final = 1e-3
+# Broader priors than the best one, by this factor, are not named if no prior is narrow.
+BROADER: Final = 10.0
+# Times, whose values may be zero, so that their changes are not relative, and the unit of these.
+TIMES: Final = ("delay", "lag", "time_offset")
+MICROSECOND: Final = 1e-6
 
 
 @dataclass(frozen=True)
@@ -27,7 +34,8 @@ class WeakDirection:
     Attributes
     ----------
     weights : dict
-        Changes of the parameters relative to their values; the largest is 1.
+        Changes of the parameters relative to their values, and of delays, lags and time offsets
+        in microseconds, or in any unit if all are times; the largest is 1.
     error : float
         Relative error along the direction from the data only, without priors.
     exact : bool
@@ -66,10 +74,16 @@ class WeakDirection:
         if not self.exact:
             first = f"the data hardly determine {names} separately"
         then = "stay the same" if self.exact else "hardly change"
-        return (
-            f"{first}: signals {then} if the relative changes of these are in the ratio "
-            f"{self._ratio()}"
-        )
+        return f"{first}: signals {then} if {self._changes()} are in the ratio {self._ratio()}"
+
+    def _changes(self) -> str:
+        """The changes to which the weights belong."""
+        times = [name for name in self.weights if is_time(name)]
+        if len(times) == len(self.weights):
+            return "the changes of these"
+        if times:
+            return f"the relative changes of these, and the changes of {listed(times)} in us,"
+        return "the relative changes of these"
 
     def _ratio(self) -> str:
         """Weights, of which the first is positive; that of several gains once if it is the same."""
@@ -87,6 +101,11 @@ class WeakDirection:
         return short("WeakDirection", str(self))
 
 
+def is_time(name: str) -> bool:
+    """Whether a parameter is a delay, a lag or a time offset."""
+    return name.partition("[")[0] in TIMES
+
+
 def grouped(names: list[str]) -> str:
     """Names in a sentence; several gains are "the gains"."""
     gains = [name for name in names if name.startswith("gain[")]
@@ -101,28 +120,67 @@ def weak_directions(
     """Weak directions from the derivatives of the data with respect to the parameters.
 
     ``sizes`` are the sizes to which errors are relative; ``priors`` the standard deviations of
-    the priors, relative to the sizes.  Weights are relative to values, except for those near zero.
+    the priors, relative to the sizes.  Weights are relative to values, except for those near zero
+    and for times.
     """
     relative = np.where(np.abs(values) > NEAR_ZERO * np.abs(sizes), values, sizes)
+    relative = np.where([is_time(name) for name in names], MICROSECOND, relative)
     scaled = jacobian * sizes
     _, singular, rows = np.linalg.svd(scaled, full_matrices=False)
+    no_effect = singular <= EXACT_PART * singular[0]
+    rows[no_effect] = _separated(rows[no_effect], [name in priors for name in names])
     found = []
-    for value, row in zip(singular, rows, strict=True):
-        exact = value <= EXACT_PART * singular[0]
+    for value, row, exact in zip(singular, rows, no_effect, strict=True):
         if not exact and value * WEAK > 1.0:
             continue
         row = row / row[np.argmax(np.abs(row))]
-        weights = {
-            name: float(weight)
-            for name, weight in zip(names, row, strict=True)
-            if abs(weight) > MIN_WEIGHT
-        }
-        fixed = tuple(
-            name for name in weights if name in priors and priors[name] < WEAK * abs(weights[name])
-        )
-        changes = dict(zip(names, row * sizes / relative, strict=True))
-        largest = changes[max(weights, key=lambda name: abs(changes[name]))]
-        weights = {name: float(changes[name] / largest) for name in weights}
+        changes = dict(zip(names, (row * sizes / relative).tolist(), strict=True))
+        named = _named(dict(zip(names, row.tolist(), strict=True)), changes)
         error = float(1.0 / value) if value > 0.0 else np.inf
+        errors = {
+            name: priors[name] / abs(weight)
+            for name, weight in zip(names, row, strict=True)
+            if name in priors and abs(weight) > PRIOR_WEIGHT
+        }
+        fixed = _fixed_by(errors, named, np.inf if exact else error)
+        largest = changes[max(named, key=lambda name: abs(changes[name]))]
+        weights = {name: changes[name] / largest for name in named}
         found.append(WeakDirection(weights, error, bool(exact), fixed))
     return tuple(found)
+
+
+def _separated(rows: Array, with_prior: Sequence[bool]) -> Array:
+    """The same space of exact directions, as directions that priors affect, and others.
+
+    Without this, one prior would seem to fix all directions that contain its parameter.
+    """
+    parts = rows[:, with_prior]
+    if len(rows) < 2 or not parts.size:
+        return rows
+    left, sizes, _ = np.linalg.svd(parts)
+    if int((sizes > PRIOR_WEIGHT).sum()) in (0, len(rows)):
+        return rows
+    return np.asarray(left.T @ rows)
+
+
+def _named(row: dict[str, float], changes: dict[str, float]) -> list[str]:
+    """Parameters whose part in a direction matters; times are compared with other times."""
+    large = {name for name, weight in row.items() if abs(weight) > MIN_WEIGHT}
+    least = MIN_WEIGHT * max(
+        (abs(changes[name]) for name in large if is_time(name)), default=np.inf
+    )
+    return [name for name in row if name in large or (is_time(name) and abs(changes[name]) > least)]
+
+
+def _fixed_by(errors: dict[str, float], named: Sequence[str], of_data: float) -> tuple[str, ...]:
+    """Parameters whose priors fix a direction, from the errors along it with each prior alone.
+
+    Priors that leave an error above `WEAK` fix it, too, if the data alone leave a larger one.
+    """
+    narrow = tuple(name for name in errors if name in named and errors[name] < WEAK)
+    if narrow:
+        return narrow
+    least = min(errors.values(), default=np.inf)
+    return tuple(
+        name for name, each in errors.items() if each < of_data and each <= BROADER * least
+    )

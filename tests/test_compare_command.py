@@ -161,18 +161,24 @@ def test_noise_is_given_for_all_sensors_or_by_sensor(run, files, command, monkey
         raise hc.InputError("the file is not read in this test")
 
     monkeypatch.setattr(hc, "load_traces", read)
-    for noises in (["0.2"], ["3 mN"], ["wall=0.05 N", "ball 5 = 0.2"], []):
+    for noises in (["0.2"], ["3 mN"], ["wall=0.05 N", "ball 5 = 0.2"], [], ["wall=0.2 N", "3 mV"]):
         options = [each for noise in noises for each in ("--noise", noise)]
         code, _, _ = run(command, files / "one.csv", files / "row.toml", *options)
         assert code == 2
-    assert given == [0.2, "3 mN", {"wall": "0.05 N", "ball 5": 0.2}, None]
+    assert given == [
+        0.2,
+        "3 mN",
+        {"wall": "0.05 N", "ball 5": 0.2},
+        None,
+        {"*": "3 mV", "wall": "0.2 N"},
+    ]
 
 
-def test_noise_without_a_sensor_and_unknown_noise_are_explained(run, files):
+def test_two_noises_of_all_sensors_and_unknown_noise_are_explained(run, files):
     two = ("compare", files / "one.csv", files / "row.toml", *PLACES)
-    code, _, err = run(*two, "--noise", "0.1 N", "--noise", "wall=1 N")
+    code, _, err = run(*two, "--noise", "0.1 N", "--noise", "1 N")
     assert code == 2
-    assert "--noise '0.1 N' names no sensor; give one --noise for all sensors, or one" in err
+    assert "--noise '1 N' names no sensor, nor does --noise '0.1 N'; give one for all" in err
     code, _, err = run(*two, "--noise", "ball 9=1 N")
     assert code == 2
     assert "unknown sensor of noise 'ball 9' (did you mean 'ball 5'?): choose from ball 5" in err

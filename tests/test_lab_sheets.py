@@ -467,7 +467,8 @@ def test_a_law_of_the_load_cell_in_a_file_keeps_the_unit_of_its_stiffness(tmp_pa
      (("--height", "1mm", "--height", "2mm", "--to", "a.pdf"), ".html or .md"),
      (("--to", "a.md"), "--height or --speed at least twice"),
      (("--height", "1", "--height", "2mm", "--to", "a.md"), "no unit"),
-     (("--height", "1mm", "--to", "a.md"), "at least twice")],
+     (("--height", "1mm", "--to", "a.md"), "at least twice"),
+     (("--height", "1mm", "--sensor", "ball 17"), "ball 17")],
 )  # fmt: skip
 def test_bad_options_are_explained(tmp_path, run, options, said, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -490,3 +491,22 @@ def test_static_forces_are_listed_for_sensors_with_ac_coupling():
     assert "AC coupling" not in hc.lab_sheet(CELL, heights=HEIGHTS).to_markdown()
     # The row has a second scale, so that only Hertz's law itself has the exponent 0.6 of h.
     assert "As a function of the height h, with v² = 2gh, Hertz's exponent is 0.6." in page
+
+
+def test_a_notebook_shows_the_predictions(sheet):
+    shown = sheet._repr_html_()
+    assert sheet.title in shown
+    for value in sheet.forces.ravel():
+        assert f">{value:#.4g}</td>" in shown
+    assert "reading 1" not in shown
+    yielding = hc.lab_sheet(CELL, sensors=["ball 6"], speeds=["0.1 m/s", "5 m/s"], title="<b>")
+    assert "at 5000 mm/s, pressure / yield" in yielding._repr_html_()
+    assert "&lt;b&gt;" in yielding._repr_html_()
+
+
+def test_speeds_have_the_same_number_of_decimals():
+    speeds = [0.4491, 0.481, 0.5151]
+    found = hc.lab_sheet(CELL, sensors=["ball 3", "ball 6"], speeds=speeds)
+    assert answers.exponents(found).heads[1:3] == ("449.1 to 481.0 mm/s", "481.0 to 515.1 mm/s")
+    assert answers.causes(found).caption.startswith("Forces at 481.0 mm/s")
+    assert all(len(row[1]) == 5 for row in answers.travel(found).rows)

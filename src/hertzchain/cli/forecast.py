@@ -34,7 +34,7 @@ from .wording import on_command_line
     required=True,
     metavar="[SENSOR=]SIZE",
     help="Standard deviation of a sample of all sensors or of one, such as '3 mV' or "
-    "'wall=0.05 N'; repeatable.",
+    "'wall=0.05 N'; repeatable, and with a name, an exception.",
 )
 @click.option("--interval", required=True, metavar="TIME", help="Sampling interval, such as 1us.")
 @free_option

@@ -294,22 +294,30 @@ noise_option = click.option(
     multiple=True,
     metavar="[SENSOR=]SIZE",
     help="Standard deviation of the noise of all sensors or of one, such as '3 mV' or "
-    "'wall=0.05 N'; repeatable.  [default: from the samples before the pulse]",
+    "'wall=0.05 N'; repeatable, and with a name, an exception.  [default: from the samples before "
+    "the pulse]",
 )
 
 
 def noise_from(texts: tuple[str, ...]) -> float | str | dict[str, float | str] | None:
     """Noise of all sensors, or by sensor; None if it has to be estimated."""
+    from ..traces.noise import OTHERS
+
     if len(texts) == 1 and "=" not in texts[0]:
         return as_typed(texts[0])
+    others = [text for text in texts if "=" not in text]
+    if len(others) > 1:
+        raise click.UsageError(
+            f"--noise {others[1]!r} names no sensor, nor does --noise {others[0]!r}; give one for "
+            f"all sensors, and exceptions such as --noise 'wall={others[1]}'"
+        )
+    found: dict[str, float | str] = {}
     for text in texts:
-        if "=" not in text:
-            raise click.UsageError(
-                f"--noise {text!r} names no sensor; give one --noise for all sensors, or one for "
-                f"each, such as --noise 'wall={text}'"
-            )
-    pairs = (text.partition("=") for text in texts)
-    return {_usual_name(name.strip()): as_typed(size.strip()) for name, _, size in pairs} or None
+        name, equals, size = text.partition("=")
+        found[_usual_name(name.strip()) if equals else OTHERS] = as_typed(
+            (size if equals else text).strip()
+        )
+    return found or None
 
 
 def _usual_name(sensor: str) -> str:

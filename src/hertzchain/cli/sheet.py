@@ -68,8 +68,12 @@ def sheet(
     """
     import hertzchain
 
-    from ..sheets.sheet import ENDINGS, LEAST
+    from ..sheets.sheet import ENDINGS, LEAST, places_of
 
+    chain = chain_from(replace(options, others=()))
+    named = [bead_from(each) for each in sensors] or ["wall"]
+    if chain.units == "SI":
+        places_of(chain, named)  # before the options that are usually written last
     if target is None and not as_json:
         raise click.UsageError("give the file to write, such as --to sheet.html")
     check_writable(target, "--to", ENDINGS)
@@ -80,10 +84,9 @@ def sheet(
                                "--height 4mm")  # fmt: skip
     for each in given:
         require_unit(options.option_of_speed, each, "mm" if falls else "m/s")
-    chain = chain_from(replace(options, others=()))
     values = [as_typed(each) for each in given]
     found = hertzchain.lab_sheet(
-        chain, sensors=[bead_from(each) for each in sensors] or ["wall"],
+        chain, sensors=named,
         heights=values if falls else None, speeds=None if falls else values, blank=blank,
         until=time_from("--until", until, chain), **({} if title is None else {"title": title}),
     )  # fmt: skip

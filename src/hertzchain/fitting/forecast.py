@@ -18,7 +18,7 @@ from ..errors import InputError, short_repr
 from ..recorded_warnings import ignore_warnings
 from ..representation import SUMMARY_WIDTH, counted, folded, measure, short
 from ..traces.headers import UNITS, header_of, in_volts, positive_noise
-from ..traces.noise import check_names_of_noise
+from ..traces.noise import check_names_of_noise, given_noise
 from ..traces.places import Place, place_named
 from ..traces.signals import Shot, Signal
 from ..traces.traces import Traces, with_coupling, with_time_offset
@@ -269,7 +269,8 @@ def forecast(
         gain with a unit, such as ``"20 mV/N"``, which also converts a noise in N; a prior or
         ``start`` gives its gain in V/N, or, for a velocity, in V s/m.
     noise : float, str or mapping
-        Standard deviation of a sample of all sensors, or by name, in N, m/s or V, or with a unit.
+        Standard deviation of a sample of all sensors, or by name, in N, m/s or V, or with a unit;
+        the name ``"*"`` has all others.
     interval : float or str
         Sampling interval [s].
     free, priors : optional
@@ -406,7 +407,7 @@ def planned_traces(
     check_names_of_noise(noise, [place.name for place, _ in places])
     signals = []
     for place, unit in places:
-        own = noise.get(place.name) if isinstance(noise, Mapping) else noise
+        own = given_noise(noise, place.name)
         if own is None:
             raise InputError(f"{place.name} has no noise; give noise for each sensor")
         sigma = positive_noise(place.name, own, unit)
@@ -421,7 +422,7 @@ def _place(text: object, chain: Chain, noise: Any) -> tuple[Place, str]:
             place, unit, _ = header_of(text)
         else:
             place = place_named(str(text))
-            own = noise.get(place.name) if isinstance(noise, Mapping) else noise
+            own = given_noise(noise, place.name)
             unit = "V" if in_volts(own) else UNITS[place.quantity]
     except InputError:
         raise InputError(

@@ -44,7 +44,7 @@ class Table(NamedTuple):
 
 def exponents(sheet: LabSheet) -> Table:
     """Exponents of the forces between successive speeds, and of all speeds."""
-    heads = ("sensor", *(f"{1e3 * a:.4g} to {1e3 * b:.4g} mm/s" for a, b in pairwise(sheet.speeds)),
+    heads = ("sensor", *(f"{1e3 * a:.1f} to {1e3 * b:.1f} mm/s" for a, b in pairwise(sheet.speeds)),
              "all speeds")  # fmt: skip
     rows = tuple(
         (place, *map(_exponent, steps), _exponent(float(overall)))
@@ -102,7 +102,7 @@ def travel(sheet: LabSheet) -> Table | None:
     heads = ("v [mm/s]", *(f"{sheet.places[i]} to {sheet.places[j]} [m/s]" for i, j, _ in pairs))
     rows = tuple(
         (f"{1e3 * speed:.1f}",
-         *(f"{abs(distance / (times[j] - times[i])):.4g}" for i, j, distance in pairs))
+         *(f"{abs(distance / (times[j] - times[i])):#.4g}".rstrip(".") for i, j, distance in pairs))
         for speed, times in zip(sheet.speeds, sheet.times, strict=True)
     )  # fmt: skip
     caption = "Speed of the pulse: distance of the centres over the time between the largest forces"
@@ -182,7 +182,7 @@ def causes(sheet: LabSheet) -> Table | None:
         rows.append((name, *map(_effect, ratios, delays)))
     if not rows and not notes:
         return None
-    caption = (f"Forces at {1e3 * sheet.speeds[middle]:.4g} mm/s, relative to the predictions, and "
+    caption = (f"Forces at {1e3 * sheet.speeds[middle]:.1f} mm/s, relative to the predictions, and "
                "delays of the first maxima")  # fmt: skip
     return Table(caption, ("change", *names(sheet)), tuple(rows), tuple(notes))
 

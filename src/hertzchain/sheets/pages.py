@@ -63,7 +63,7 @@ def _context(sheet: LabSheet) -> dict[str, Any]:
         "sketch": Markup(sketch(sheet)), "column": is_column(sheet.chain),
         "table": _table(sheet, predicted=not sheet.blank, readings=READINGS),
         "tasks": _tasks(sheet), "description": _description(sheet.chain),
-        "predictions": [_table(sheet, predicted=True, readings=())] if sheet.blank else [],
+        "predictions": [predictions(sheet)] if sheet.blank else [],
         "answers": [answers.on_exponents(sheet), answers.on_travel(sheet),
                     ON_RATIOS + ON_GAPS * (not answers.rests(sheet.chain)),
                     answers.on_errors(sheet)],
@@ -97,6 +97,11 @@ def _how(sheet: LabSheet) -> str:
     return (f"Let the {striker} fall or swing from the heights h of the "
             "table, so that it arrives at the speed v with v² = 2gh. A ball that rolls is "
             "slower: measure its speed, for example with a light barrier.")  # fmt: skip
+
+
+def predictions(sheet: LabSheet) -> Table:
+    """The table of the predictions without columns for readings."""
+    return _table(sheet, predicted=True, readings=())
 
 
 def _table(sheet: LabSheet, *, predicted: bool, readings: tuple[str, ...]) -> Table:

@@ -136,6 +136,11 @@ class LabSheet:
         page = self.to_html() if target.suffix == ".html" else self.to_markdown()
         write_bytes(target, page.encode())
 
+    def _repr_html_(self) -> str:
+        from ..notebook.sheets import sheet_html
+
+        return sheet_html(self)
+
     def __repr__(self) -> str:
         at = counted(len(self.speeds), "speed")
         return short("LabSheet", self.chain.description, f"sensors {', '.join(self.places)}", at)
@@ -196,9 +201,9 @@ def lab_sheet(
     require_chain("lab_sheet", chain)
     if chain.units != "SI":
         raise InputError("a laboratory sheet needs a chain in SI units; use Chain.from_materials")
+    places = places_of(chain, sensors)
     falls, values = _speeds(heights, speeds)
     end = None if until is None else number("until", until, unit="s", above=0.0)
-    places = _places(chain, sensors)
     chains = [at_impact_speed(chain, value) for value in values]
     beads = [bead_number(chain, place) for place in places if place != WALL]
     keep = [f"sensor_first_maximum{at}" for at in ("", "_time")] if beads else []
@@ -256,7 +261,7 @@ def _speeds(heights: Any, speeds: Any) -> tuple[Array | None, Array]:
     return np.array(plain), np.array([speed_of_fall("height", each) for each in plain])
 
 
-def _places(chain: Chain, sensors: Any) -> tuple[str, ...]:
+def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
     """Names of the sensors of a chain."""
     given = (
         [sensors]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -36,6 +36,8 @@ WIDER, STEEPER = 1.5, 2.5
 BESIDE: Final = 1
 # Fraction of the height above which samples belong to a pulse.
 PULSE: Final = 0.05
+# Name of all sensors that have no noise of their own.
+OTHERS: Final = "*"
 # Accuracy of the simulated signals of a fit: rms error over the largest sample.  It is due to the
 # interpolation in time next to contacts that close or open; a smaller noise cannot be seen.
 ACCURACY: Final = 2e-5
@@ -60,8 +62,13 @@ def check_names_of_noise(noise: object, names: Sequence[str]) -> None:
     """Reject the noise of sensors that the traces do not have."""
     if isinstance(noise, Mapping):
         for name in noise:
-            if name not in names:
+            if name not in (*names, OTHERS):
                 raise unknown_name_error("sensor of noise", str(name), names)
+
+
+def given_noise(noise: Any, sensor: str) -> Any:
+    """The noise that is given for a sensor, or for the others; None if there is none."""
+    return noise.get(sensor, noise.get(OTHERS)) if isinstance(noise, Mapping) else noise
 
 
 def onset(values: Array) -> int:

@@ -19,6 +19,7 @@ from .noise import (
     at_limits,
     clipped_part,
     digitiser_step,
+    given_noise,
     noise_before_rounding,
     noise_of,
     printed_step,
@@ -180,7 +181,7 @@ def _known_noise(
     noise: float | Mapping[str, float] | None, place: Place, unit: str
 ) -> float | None:
     """Noise of a sensor that was given, in the unit of its signal."""
-    known = noise.get(place.name) if isinstance(noise, Mapping) else noise
+    known = given_noise(noise, place.name)
     return None if known is None else positive_noise(place.name, known, unit)
 
 

@@ -81,8 +81,8 @@ class Traces:
             infinite where the signal is beyond the range of the digitiser.
         noise : float or mapping, optional
             Standard deviation of the noise of all sensors, or by name, in N, m/s or V, or with
-            a unit.  By default it is estimated for each sensor from the samples before its own
-            pulse arrives.
+            a unit; the name ``"*"`` has all others.  By default it is estimated for each sensor
+            from the samples before its own pulse arrives.
         coupling : {"AC", "DC"} or mapping, optional
             Whether the signals of all sensors, or by name, contain the static force of a
             precompressed chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By

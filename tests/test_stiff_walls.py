@@ -126,3 +126,57 @@ def test_the_json_document_has_the_largest_pressure_of_the_text(tmp_path):
     assert "contacts" not in found
     scaled = CliRunner().invoke(cli, ["simulate", "--beads", "5", "--json"])
     assert json.loads(scaled.stdout)["largest_pressure_over_yield"] is None
+
+
+def test_tables_of_many_chains_count_it():
+    chains = [ROW.replace(right_wall=hc.Wall(each, exponent=1)) for each in (5e5, 5e7)]
+    table = hc.simulate_many(chains, keep=["wall_peak_force"])
+    assert "in 1 chain, the spring of a wall is too stiff" in " ".join(repr(table).split())
+    assert "in 1 chain, the spring of a wall is too stiff" in table._repr_html_()
+    for other in (
+        hc.simulate_many(chains[:1], keep=["wall_peak_force"]),
+        # Overlaps of whole runs are unknown.
+        hc.simulate_many(chains, keep=["velocity"], check_range=False),
+    ):
+        assert "stiff" not in repr(other)
+
+
+@pytest.mark.parametrize(
+    "command", [("scatter", "--grade", "100", "--chains", "9"), ("sensitivity",)], ids=" ".join
+)
+def test_scatter_and_sensitivity_have_the_note_of_the_run(tmp_path, command):
+    file = tmp_path / "row.toml"
+    name, *options = command
+    found = {}
+    for wall in ("50 kN/mm", "0.5 kN/mm"):
+        file.write_text(TOML.format(wall=wall))
+        text = CliRunner().invoke(cli, [name, str(file), *options]).output
+        shown = CliRunner().invoke(cli, [name, str(file), *options, "--json"]).stdout
+        found[wall] = " ".join(text.split()), " ".join(json.loads(shown)["notes"])
+    for text in found["50 kN/mm"]:
+        assert "the spring of the right wall replaces the Hertz contact of bead 3" in text
+        assert "add a light cap: --cap '0.08 g'" in text
+    assert all("spring" not in text for text in found["0.5 kN/mm"])
+
+
+# With the first quantities, all points are simulated together; with the others, one by one.
+@pytest.mark.parametrize("keep", [["wall_peak_force"], ["wall_peak_force", "yield_ratio"]])
+def test_sweeps_name_the_points(tmp_path, keep):
+    document = {
+        "chain": ROW.replace(right_wall=STIFF),
+        "axes": {"right_wall.stiffness": [5e5, 5e7]},
+        "sweep": {"methods": ["simulate"], "keep": keep},
+    }
+    store = tmp_path / "walls.zarr"
+    with pytest.warns(hc.ModelRangeWarning, match="at 1 of 2 points, the spring of a wall is too"):
+        found = hc.sweep(document, store)
+    soft, stiff = found.reason.values.ravel()
+    assert soft == ""
+    assert stiff.startswith("the spring of the right wall is too stiff")
+    assert stiff.endswith("add a light cap of 0.08 g")
+    assert (found.outside_range == 0).all()
+    done = CliRunner().invoke(cli, ["sweep", "status", str(store)])
+    assert done.exit_code == 0
+    assert "the Hertz contact of a ball: 1 (see variable `reason`)" in done.output
+    shown = CliRunner().invoke(cli, ["sweep", "status", str(store), "--json"]).stdout
+    assert json.loads(shown)["stiff_wall"] == 1

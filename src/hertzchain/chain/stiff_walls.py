@@ -19,6 +19,8 @@ from .walls import material_of_wall
 MUCH_LARGER: Final = 10.0
 # Mass of a light cap, as a part of that of the ball.
 LIGHT: Final = 0.02
+# In the reasons of points of sweeps, which are counted by these words.
+TOO_STIFF: Final = "wall is too stiff to replace the Hertz contact of a ball"
 
 
 def stiff_walls(chain: Chain, overlaps: ArrayLike) -> dict[str, tuple[float, float]]:
@@ -56,13 +58,24 @@ def stiff_wall_notes(chain: Chain, overlaps: ArrayLike) -> tuple[str, ...]:
         name = bead_label(chain, ball + 1)
         relation = "not much larger than" if deflection > overlap else "less than"
         spring, contact = (measure(each, "m", "SI", 2) for each in (deflection, overlap))
-        advice = "use Wall() or the material of the wall if it is stiffer than the contact"
-        if side == "right":
-            mass = 1e3 * float(f"{LIGHT * chain.masses[ball]:.1g}")
-            advice = f"add a light cap: with_cap('{mass:g} g')"
         notes.append(
             f"the spring of the {side} wall replaces the Hertz contact of {name}, but its "
             f"deflection of {spring} is {relation} the overlap of this contact under the "
-            f"same force, {contact}; with both in series, the force differs: {advice}"
+            f"same force, {contact}; with both in series, the force differs: {_advice(chain, side)}"
         )
     return tuple(notes)
+
+
+def stiff_wall_reasons(chain: Chain, overlaps: ArrayLike) -> list[str]:
+    """A short clause for each wall whose spring is too stiff, for tables of many chains."""
+    found = stiff_walls(chain, overlaps)
+    return [f"the spring of the {side} {TOO_STIFF}: {_advice(chain, side, short=True)}"
+            for side in found]  # fmt: skip
+
+
+def _advice(chain: Chain, side: str, *, short: bool = False) -> str:
+    """The change that corrects the force, with the name of the method unless the text is short."""
+    if side == "left":
+        return "use Wall() or the material of the wall if it is stiffer than the contact"
+    mass = 1e3 * float(f"{LIGHT * chain.masses[chain.beads - 1]:.1g}")
+    return f"add a light cap of {mass:g} g" if short else f"add a light cap: with_cap('{mass:g} g')"

@@ -212,5 +212,5 @@ def _notes(found: Distribution) -> list[str]:
     if few := found._few_values_note(PERCENTILES):
         notes.append(f"{few} (--chains)")
     notes += notes_on(found.chain, [measure_of(found.chain, found.quantity)])
-    materials = found._yielding_note, assumed_for_all(found.chain)
+    materials = *found._stiff_walls, found._yielding_note, assumed_for_all(found.chain)
     return notes + [on_command_line(note) for note in materials if note]

@@ -102,20 +102,21 @@ def sensitivity(
             found = hertzchain.gradient(chain, name, to=by, until=end, progress=progress)
             changes = changes_of_peak(chain, found, by, end, progress)
     yielding = value_if_yielding(chain, measure, until=given)
+    notes = [*_notes(found, measure, by, changes), *map(on_command_line, _on_walls(chain, end))]
     if plot is not None:
         from ..plotting.gradients import plot_gradient
 
         save_figure(plot_gradient(found, by, changes=changes), plot)
     if as_json:
-        show_json(_document(found, measure, yielding, by, changes))
+        show_json(_document(found, yielding, by, changes) | {"notes": notes})
     else:
-        show_text("\n".join(_lines(found, measure, yielding, by, changes)))
+        lines = _lines(found, measure, yielding, by, changes)
+        show_text("\n".join(lines + [f"note: {note}" for note in notes]))
         show_table(_table(chain, found, by, changes, every_bead))
 
 
 def _document(
-    found: Gradient, measure: Measure, yielding: WithYield, by: str,
-    changes: tuple[Array, ...] | None,
+    found: Gradient, yielding: WithYield, by: str, changes: tuple[Array, ...] | None
 ) -> dict[str, Any]:  # fmt: skip
     from ..validation.json_types import finite
 
@@ -137,7 +138,20 @@ def _document(
     if changes:
         for key, values in zip(("larger", "smaller"), changes, strict=False):
             document[f"change_if_{key}"] = finite(values.tolist())
-    return document | {"notes": _notes(found, measure, by, changes)}
+    return document
+
+
+def _on_walls(chain: Chain, until: float | None) -> tuple[str, ...]:
+    """Notes on walls whose spring is too stiff, from a simulation of the unchanged chain."""
+    from ..chain.hertz_ratios import linear_springs
+    from ..errors import IncompleteWarning, ModelRangeWarning
+    from ..recorded_warnings import ignore_warnings
+    from ..simulation.simulate import simulate
+
+    if chain.units != "SI" or not linear_springs(chain)[[0, -1]].any():
+        return ()
+    with ignore_warnings(IncompleteWarning, ModelRangeWarning):
+        return simulate(chain, times=0, until=until).notes
 
 
 def _lines(
@@ -175,7 +189,7 @@ def _lines(
             if found.method == "adjoint"
             else f"{step} This loss has no derivatives by gaps."
         )
-    return lines + [f"note: {note}" for note in _notes(found, measure, by, changes)]
+    return lines
 
 
 def _notes(

@@ -329,16 +329,19 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
+    from ..chain.stiff_walls import TOO_STIFF
     from ..sweeps.free_faces import note_on_free_faces
     from ..sweeps.plan import plan_of
 
     store = opened.folder
     counts = opened.counts()
     flags = {name: opened.flagged(name) for name in FLAGGED}
+    plan = plan_of(opened.specification)
+    stiff = opened.explained(TOO_STIFF) if plan.units == "SI" else 0
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
-            "store": str(store), **counts, **flags,
+            "store": str(store), **counts, **flags, "stiff_wall": stiff,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip
     else:
@@ -349,7 +352,9 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
         for name, number in flags.items():
             if number:
                 click.echo(f"  points {FLAGGED[name]}: {number} (see variable `{name}`)")
-        plan = plan_of(opened.specification)
+        if stiff:
+            click.echo(f"  points at which the spring of a {TOO_STIFF}: {stiff} (see variable "
+                       "`reason`)")  # fmt: skip
         if note := note_on_free_faces(plan, plan.variables):
             click.echo(f"  note: {note}")
     unfinished = counts["missing"] and part is None

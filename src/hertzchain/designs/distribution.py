@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +13,7 @@ from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..chain.hertz_range import HertzRange, hertz_range
 from ..chain.hertz_ratios import MAX_SPEED_RATIO
+from ..chain.stiff_walls import stiff_wall_notes
 from ..collision import Array
 from ..errors import InputError, ModelRangeWarning, SimulationError, warn_user
 from ..frozen import Frozen
@@ -76,6 +77,7 @@ class Distribution(Frozen):
     reason: str = ""
     yielding: float = math.nan
     yielding_overlap_ratio: float = math.nan
+    _stiff_walls: tuple[str, ...] = field(default=(), repr=False)
 
     @property
     def mean(self) -> float:
@@ -218,7 +220,7 @@ class Distribution(Frozen):
             f"mean {mean}", f"standard deviation {deviation}", f"nominal {nominal}",
             f"{counted(self.failed, 'chain')} failed" if self.failed else "",
             f"{counted(outside, 'chain')} outside Hertz's range" if outside else "",
-            *notes_on(self.chain, [self._measure]), self._yielding_note,
+            *notes_on(self.chain, [self._measure]), *self._stiff_walls, self._yielding_note,
         )  # fmt: skip
 
 
@@ -340,6 +342,7 @@ def distribution(
     return Distribution(
         chain, deviations, str(measure), float(nominal), good, failed, outside, reason,
         *value_if_yielding(chain, measure, overlaps, until)[:2],
+        () if overlaps is None else stiff_wall_notes(chain, overlaps),
     )  # fmt: skip
 
 

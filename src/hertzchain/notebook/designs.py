@@ -71,6 +71,7 @@ def distribution_html(found: Distribution) -> str:
     few = found._few_values_note(PERCENTILES)
     notes = [note(f"{few}.")] if few else []
     notes += [note(sentence(each)) for each in notes_on(found.chain, [found._measure])]
+    notes += [note(sentence(each)) for each in found._stiff_walls]
     if found.outside_range:
         exceed = "exceeds" if found.outside_range == 1 else "exceed"
         chains = counted(found.outside_range, "chain")

@@ -93,7 +93,8 @@ def run_table_html(runs: RunTable) -> str:
         label = f"{first}{unit}"
         parts.insert(0, chart([Curve(part, factor * values)], "share of chains below [%]", label))
     parts.append(table(("quantity", "smallest", "median", "largest"), rows, numeric=True))
-    parts += [note(f"{each}.") for each in (runs._peak_note, runs._range_note) if each]
+    notes = runs._peak_note, runs._wall_note, runs._range_note
+    parts += [note(f"{each}.") for each in notes if each]
     return page("RunTable", counted(len(runs), "chain"), *parts)
 
 

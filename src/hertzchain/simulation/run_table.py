@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..chain.chain import Chain
 from ..chain.hertz_range import HertzRange, hertz_range
 from ..chain.hertz_ratios import exceeds_limits
+from ..chain.stiff_walls import TOO_STIFF, stiff_wall_reasons
 from ..collision import Array
 from ..frozen import Frozen
 from ..pulse.quantities import WALL_QUANTITIES
@@ -189,6 +190,21 @@ class RunTable(Frozen):
             return ""
         return f"{counted(found, 'largest force')} on the wall may be sensitive to small changes"
 
+    def _stiff_walls(self, index: int) -> list[str]:
+        """A clause for each wall whose spring is too stiff; none if whole runs are not known."""
+        chain = self.chains[index]
+        if chain is None or index in self.reasons or not self._of_whole_runs:
+            return []
+        return stiff_wall_reasons(chain, self._overlaps[index, : chain.beads + 1])
+
+    @property
+    def _wall_note(self) -> str:
+        """Number of chains with a wall whose spring is too stiff to replace a contact."""
+        if len(self) > MAX_CHECKED or self.units != "SI":
+            return ""
+        found = sum(bool(self._stiff_walls(i)) for i in range(len(self)))
+        return f"in {counted(found, 'chain')}, the spring of a {TOO_STIFF}" if found else ""
+
     @property
     def _range_note(self) -> str:
         """Number of chains that have left the range of Hertz's law."""
@@ -291,5 +307,5 @@ class RunTable(Frozen):
         units = ", SI" if self.units == "SI" else ""
         names = ", ".join(self.columns)
         about = f"{counted(len(self), 'chain')} of up to {self._longest}{units}{failed}"
-        parts = (about, self._peak_note, self._range_note, names)
+        parts = (about, self._peak_note, self._wall_note, self._range_note, names)
         return short("RunTable", "; ".join(filter(None, parts)))

@@ -265,6 +265,11 @@ class SweepStore:
             return 0
         return sum(int(part.any(axis=-1).sum()) for part in self._rows_of(name))
 
+    def explained(self, words: str) -> int:
+        """Number of points whose reason has these words for at least one method."""
+        parts = (np.strings.find(part.astype("T"), words) >= 0 for part in self._rows_of("reason"))
+        return sum(int(part.any(axis=-1).sum()) for part in parts)
+
     def failures(self, most: int) -> list[tuple[dict[str, Any], str]]:
         """Coordinates of failed points, and the reasons."""
         return list(itertools.islice(self._failures(), most))
@@ -285,7 +290,7 @@ class SweepStore:
                 named = {str(name): value.item() for name, value in at.coords.items()}
                 yield named, str(at.item())
 
-    def _rows_of(self, name: str) -> Iterator[NDArray[np.int8]]:
+    def _rows_of(self, name: str) -> Iterator[NDArray[Any]]:
         """Yield an array in parts of as many rows as a batch has."""
         array, rows = self.arrays[name], self.status.chunks[0]
         for start in range(0, array.shape[0], rows):

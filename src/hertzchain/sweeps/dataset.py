@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from ..chain.stiff_walls import TOO_STIFF
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
 from ..pulse.quantities import BODY_QUANTITIES
 from ..simulation.sensor_force import HALF
@@ -86,7 +87,10 @@ def batch_variables(plan: Plan) -> dict[str, Variable]:
             "long_name": "1 where the largest force on the wall may be sensitive to small changes"
         }
         found["sensitive"] = _by_method(plan, "i1", label)
-    label = {"long_name": "why the method failed, or why values are missing; otherwise empty"}
+    label = {
+        "long_name": "why the method failed, or why values are missing or inaccurate; "
+        "otherwise empty"
+    }
     found["reason"] = _by_method(plan, "str", label)
     if plan.ragged:
         count = {"long_name": "number of beads"}
@@ -217,7 +221,14 @@ def _coordinate(along: str, values: np.ndarray[Any, Any], attributes: dict[str, 
 
 
 def warn_outside_range(found: xr.Dataset) -> None:
-    """Warn once if points are outside the range of a method or of Hertz's law."""
+    """Warn once if points are outside the range of a method or of Hertz's law, or of a spring."""
+    stiff = int((np.strings.find(found.reason.values.astype("T"), TOO_STIFF) >= 0).sum())
+    if stiff:
+        warn_user(
+            f"at {stiff} of {found.reason.size} points, the spring of a {TOO_STIFF} (see variable "
+            "reason)",
+            ModelRangeWarning,
+        )
     if "outside_range" not in found:
         return
     outside = int((found["outside_range"] == 1).sum())

@@ -2183,6 +2183,112 @@ def test_a_part_of_the_time_can_be_selected(browser, tmp_path):
         page.context.close()
 
 
+# Colour of the map at a fraction of its width and of its height, counted from below.
+COLOUR_OF_MAP = """([x, y]) => {
+  const map = document.getElementById("map"), scale = map.width / map.clientWidth;
+  const at = [52 + x * (map.clientWidth - 68), 6 + (1 - y) * (map.clientHeight - 40)];
+  const pen = new OffscreenCanvas(map.width, map.height).getContext("2d", { willReadFrequently: true });
+  pen.drawImage(map, 0, 0);
+  return [...pen.getImageData(...at.map((each) => each * scale), 1, 1).data];
+}"""  # noqa: E501
+
+
+@pytest.mark.parametrize("width", [1200, 400])
+def test_the_map_and_the_clock_show_the_selected_part(browser, width):
+    with serving() as running:
+        page = Page(browser, running, viewport={"width": width, "height": 800})
+        tab = page.tab
+        end = page.array("run", "times")[-1]
+
+        def now():
+            return float(tab.text_content("#clockface").split()[2]) * 1e-3
+
+        def last_ball(first, last):
+            times = (np.array([0.1, 0.6, 0.9]) * (high - low) + low - first) / (last - first)
+            return np.array([tab.evaluate(COLOUR_OF_MAP, [0.975, each]) for each in times])
+
+        # The pulse is reflected in this part.
+        low, high = 0.5 * end, 0.6 * end
+        whole = last_ball(0.0, end)
+        assert np.ptp(whole, axis=0).max() > 150
+        chart = tab.locator("#chart-force")
+        chart.scroll_into_view_if_needed()
+        box = chart.bounding_box()
+        left, wide, y = box["x"] + 62, box["width"] - 82, box["y"] + 60
+        tab.mouse.move(left + 0.5 * wide, y)
+        tab.mouse.down()
+        tab.mouse.move(left + 0.6 * wide, y, steps=3)
+        tab.mouse.up()
+        tab.wait_for_selector("#whole:not([hidden])")
+        tab.evaluate(NEXT_FRAME)
+        low, high = tab.evaluate("hertzchain.state.view.range")
+        # The cursor was before the selected part.
+        assert now() == pytest.approx(low, rel=1e-3)
+        tab.evaluate("scrollTo(0, 0)")
+        assert np.abs(last_ball(low, high) - whole).max() < 20
+        for part in (0.0, 0.25, 1.0):
+            tab.locator("#time").fill(str(round(1000 * part)))
+            tab.evaluate(NEXT_FRAME)
+            assert now() == pytest.approx(low + part * (high - low), rel=2e-3)
+        plot = tab.locator("#map")
+        size = plot.bounding_box()
+        places = {"x": 52 + 0.3 * (size["width"] - 68), "y": 6 + 0.25 * (size["height"] - 40)}
+        plot.click(position=places)
+        tab.evaluate(NEXT_FRAME)
+        assert now() == pytest.approx(low + 0.75 * (high - low), rel=2e-3)
+        # The part is repeated.
+        tab.select_option("#speed", "4")
+        tab.click("#play")
+        seen = []
+        for _ in range(25):
+            tab.wait_for_timeout(100)
+            seen.append(now())
+        assert low * 0.999 <= min(seen) < 0.7 * low + 0.3 * high
+        assert 0.3 * low + 0.7 * high < max(seen) <= high * 1.001
+        assert min(np.diff(seen)) < -0.5 * (high - low)
+        tab.click("#play")
+        plot.dblclick(position=places)
+        tab.wait_for_selector("#whole", state="hidden")
+        tab.locator("#time").fill("1000")
+        tab.evaluate(NEXT_FRAME)
+        assert now() == pytest.approx(end, rel=1e-3)
+        assert page.problems == []
+        page.context.close()
+
+
+@pytest.mark.parametrize("height", [720, 660])
+def test_a_low_window_shows_the_chain_the_map_and_the_forces(browser, height):
+    with serving() as running:
+        page = Page(browser, running, viewport={"width": 1280, "height": height})
+        for name in ("#lane-A", "#map", "#map-bar", "#legend-force"):
+            box = page.tab.locator(name).bounding_box()
+            assert box["y"] + box["height"] < height - 8, name
+        assert page.tab.locator("#chart-force").bounding_box()["height"] >= 170
+        assert page.problems == []
+        page.context.close()
+
+
+@pytest.mark.parametrize("text", ["15", "15 mm", "a ball", "-1"])
+@pytest.mark.parametrize("left_by", [None, "blur", "Enter", "Tab"])
+def test_the_page_settles_after_a_field_was_filled(page, text, left_by):
+    page.tab.goto(page.origin + "#first_diameter=20+mm&last_diameter=20+mm&beads=5"
+                  "&materials=steel-52100&velocity=0.1+m/s")  # fmt: skip
+    page.settle()
+    field = page.tab.get_by_label("last diameter", exact=True)
+    field.fill(text)
+    if left_by == "blur":
+        field.blur()
+    elif left_by:
+        field.press(left_by)
+    page.settle()
+    # Text is complete when the field is left, and the chain changes with each number.
+    complete = left_by or text in {"15", "-1"}
+    given = {"15": "15 mm", "-1": "-1 mm"}.get(text, text) if complete else "20 mm"
+    assert page.document()["chain"]["last_diameter"] == given
+    assert ("must be" in page.status()) == (given in {"a ball", "-1 mm"})
+    assert field.input_value() == ("15" if left_by and text == "15 mm" else text)
+
+
 def test_a_finger_selects_a_part_of_the_time(browser, running):
     page = Page(browser, running, viewport={"width": 400, "height": 800}, has_touch=True)
     tab = page.tab

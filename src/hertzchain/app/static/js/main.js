@@ -1,7 +1,7 @@
 /** Connect the parts of the page, and ask for the first results. */
 
 import { change, compare, moveWall, open, openAs, redo, resize, toggleSensor, undo } from "./changes.js";
-import { clock, eachFrame, goTo, play } from "./clock.js";
+import { clock, eachFrame, goTo, part, play } from "./clock.js";
 import { readColours } from "./colour.js";
 import { $ } from "./fields.js";
 import { listen } from "./events.js";
@@ -37,7 +37,7 @@ function arrange() {
 
 function handleEvents() {
   listen({
-    about, state, view, request: repeat, select, toggleSensor, play: () => play(!clock.playing), goTo, step: (by) => goTo(clock.u + by),
+    about, state, view, request: repeat, select, toggleSensor, play: () => play(!clock.playing), goTo, step: (by) => goTo(part() + by),
     undo, redo, compare, activate, repaint, radiusOf: (bead) => own().beads.arrays.get("radii")[bead - 1], resize,
     beads: () => own().beads.header?.beads ?? 1,
     until: (given) => {

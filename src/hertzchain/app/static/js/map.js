@@ -1,7 +1,7 @@
 /** Space-time map: beads across, time upwards. */
 
 import { COLOURS, PIXELS, penOf } from "./colour.js";
-import { placeAt, short, ticks, timeAt } from "./numbers.js";
+import { digitsOf, placeAt, short, ticks, timeAt } from "./numbers.js";
 
 const LEFT = 52, RIGHT = 16, TOP = 6, BOTTOM = 34;
 
@@ -12,12 +12,14 @@ export class SpaceTime {
     this.image = document.createElement("canvas");
     /** @type {import("./stage.js").Motion | null} */
     this.motion = null;
+    /** First and last time. */
+    this.times = [0, 1];
     /** Columns are contacts 0 .. N instead of beads. */
     this.contacts = false;
     const picked = (/** @type {PointerEvent} */ event) => {
       if (!(event.buttons & 1) || !this.motion) return;
       const x = (event.offsetX - LEFT) / this.wide, u = 1 - (event.offsetY - TOP) / this.high;
-      pick(Math.max(1, Math.min(this.motion.beads, this.contacts ? Math.round(x * this.columns) : 1 + Math.floor(x * this.columns))), u * timeAt(this.motion.times, 1));
+      pick(Math.max(1, Math.min(this.motion.beads, this.contacts ? Math.round(x * this.columns) : 1 + Math.floor(x * this.columns))), this.times[0] + u * (this.times[1] - this.times[0]));
     };
     canvas.onpointerdown = (event) => {
       canvas.setPointerCapture(event.pointerId);
@@ -39,9 +41,11 @@ export class SpaceTime {
   }
 
   /** Paint all beads or contacts. @param {import("./stage.js").Motion} motion
-   * @param {"velocities" | "forces"} what @param {string} scale "bead" or "all" */
-  paint(motion, what, scale) {
+   * @param {"velocities" | "forces"} what @param {string} scale "bead" or "all"
+   * @param {number[]} span first and last place in the run */
+  paint(motion, what, scale, span) {
     this.motion = motion;
+    const [low, high] = this.times = span.map((u) => timeAt(motion.times, u));
     this.contacts = what === "forces";
     const T = motion.count, { columns } = this;
     const values = motion[what], largest = this.contacts ? motion.strengths : motion.speeds;
@@ -53,7 +57,7 @@ export class SpaceTime {
     const pen = /** @type {CanvasRenderingContext2D} */ (this.image.getContext("2d"));
     const picture = pen.createImageData(columns, T), pixels = new Uint32Array(picture.data.buffer);
     for (let i = 0; i < T; i++) {
-      const place = placeAt(motion.times, (i / (T - 1)) * timeAt(motion.times, 1)) * (T - 1), before = Math.min(T - 2, Math.floor(place));
+      const place = placeAt(motion.times, low + (i / (T - 1)) * (high - low)) * (T - 1), before = Math.min(T - 2, Math.floor(place));
       const row = (T - 1 - i) * columns, from = before * columns, next = from + columns, v = place - before;
       for (let k = 0; k < columns; k++) pixels[row + k] = PIXELS[(256.5 + factor[k] * ((1 - v) * values[from + k] + v * values[next + k])) | 0];
     }
@@ -69,9 +73,9 @@ export class SpaceTime {
     pen.font = "11px system-ui, sans-serif";
     pen.fillStyle = COLOURS.soft;
     pen.textAlign = "right";
-    const end = timeAt(motion.times, 1), yOf = (/** @type {number} */ time) => TOP + high * (1 - time / end);
-    for (const tick of ticks(0, end * axis.factor, high / 60)) {
-      pen.fillText(short(tick), LEFT - 5, Math.max(yOf(tick / axis.factor) + 4, TOP + 9));
+    const [begin, end] = this.times, yOf = (/** @type {number} */ time) => TOP + high * (end - time) / (end - begin), marks = ticks(begin * axis.factor, end * axis.factor, high / 40);
+    for (const tick of marks) {
+      pen.fillText(short(tick, digitsOf(marks)), LEFT - 5, Math.max(yOf(tick / axis.factor) + 4, TOP + 9));
     }
     pen.textAlign = "center";
     const { columns } = this, first = this.contacts ? 0 : 1;

@@ -1,6 +1,6 @@
 /** The page shows its state: the chains, the views with their common cursor, titles and messages. */
 
-import { clock, goToTime, placeOf, wake } from "./clock.js";
+import { clock, goToTime, part, placeOf, span, wake } from "./clock.js";
 import { KINDS, readColours } from "./colour.js";
 import { Controls } from "./controls.js";
 import { SELECTS } from "./events.js";
@@ -29,6 +29,7 @@ const views = new Views(about, {
   hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
 });
 const map = new SpaceTime($("map"), (bead, time) => { select(bead); goToTime(time); });
+$("map").ondblclick = () => views.zoom(null);
 /** @param {Slot} slot */
 const stageOf = (slot) => new Stage($(`stage-${slot}`), {
   select: (bead) => { activate(slot); select(bead); },
@@ -167,14 +168,14 @@ function showStatus() {
 
 /** Draw the parts that have changed, and all that moves. */
 export function draw() {
-  const found = own(), time = found.motion ? timeAt(found.motion.times, clock.u) : 0;
+  const found = own(), time = found.motion ? timeAt(found.motion.times, placeOf(state.active)) : 0;
   if (dirty.pulse || dirty.times) showTitles();
   drawStages();
   $("sensor").setAttribute("aria-pressed", String(state.view.sensors.includes(ball())));
   map.motion = found.motion;
   $("map-note").textContent = found.motion ? "" : whyBlank(found);
   if (dirty.map && found.motion) {
-    map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale);
+    map.paint(found.motion, /** @type {any} */ (state.view.map), state.view.scale, span());
     dirty.map = false;
   }
   const axis = found.motion ? views.timeAxis(found) : { factor: 1, unit: "", label: "" };
@@ -191,7 +192,7 @@ export function draw() {
   if (dirty.table && $("table-details").open) views.drawTable(state, found);
   dirty.table = false;
   views.cursor(state.view.bead, time);
-  showClock(found.motion ? time : undefined, axis, Math.min(1, clock.u), clock.playing);
+  showClock(found.motion ? time : undefined, axis, part(), clock.playing);
 }
 
 /** The chains, one below the other at the same scale if they have the same units. */

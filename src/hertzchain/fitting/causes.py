@@ -39,6 +39,8 @@ class Cause:
     misread: bool = False
     # Whether amplitudes are wrong by so much that other causes mean nothing before.
     gross: bool = False
+    # Whether columns are in another order.
+    order: bool = False
     # Whether the row has another number of balls.
     count: bool = False
     # Whether a ball of the row, or a gap in it, is another one.

@@ -80,7 +80,7 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     ))  # fmt: skip
     if best.shifts_level:
         levels = ()
-    if best in columns and best.result.describes:
+    if best in columns and (best.order or best.result.describes):
         return as_misread(result, best)
     best, others = _count_first(best, good)
     others = others or _not_distinguished(best, good)
@@ -199,7 +199,8 @@ def first_misread(problem: Problem, start: Mapping[str, float], refit: Refit) ->
 def as_misread(result: FitResult, cause: Cause) -> FitResult:
     """A result without any meaning, because columns or times are read wrongly."""
     found = replace(result, advice=(_sentence(result, cause),), misread=True)
-    return _without_consequences(found) if _is_good(cause.result) else found
+    # Nothing follows from gains that are fitted to the signals of other sensors.
+    return _without_consequences(found) if cause.order or _is_good(cause.result) else found
 
 
 def _without_consequences(result: FitResult) -> FitResult:
@@ -385,8 +386,9 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
         try:
             found = refit(problem, start, 1)
             yield Cause(
-                each.what, each.advice, found, 0, each.whole, misread=True, gross=each.gross
-            )
+                each.what, each.advice, found, 0, each.whole, misread=True, gross=each.gross,
+                order=each.order,
+            )  # fmt: skip
         except SimulationError:
             continue
 

@@ -79,7 +79,8 @@ class FitResult(Estimates):
     misread : bool
         Whether the data require another sign, unit or order of columns, or other times.
     explained : bool
-        Whether ``advice`` names an error of the data or of the row that explains all.
+        Whether ``advice`` names an error of the data or of the row that explains all, or columns
+        in another order.
     scan : str
         Losses from which a poor fit was started again, in words; or empty.
     without_priors : tuple of WithoutPriors

@@ -68,8 +68,8 @@ def load_traces(
         channel of an oscilloscope, instead of different shots.
     noise : float or mapping, optional
         Standard deviation of the noise of all sensors, or by name, in N, m/s or V or with a
-        unit, such as ``"3 mV"``; the name ``"*"`` has all others.  By default it is estimated for each sensor from the samples
-        before its own pulse arrives.
+        unit, such as ``"3 mV"``; the name ``"*"`` has all others.  By default it is estimated for
+        each sensor from the samples before its own pulse arrives.
     coupling : {"AC", "DC"} or mapping, optional
         Whether the signals of all sensors, or by name, contain the static force of a precompressed
         chain (``"DC"``) or not (``"AC"``, also for piezoelectric sensors).  By default, this is

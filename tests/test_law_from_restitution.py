@@ -142,7 +142,11 @@ def test_on_the_command_line(run):
         "from the restitution in contact 2; all contacts between beads have this law" in done.stderr
     )
     last = run("simulate", *options, "--loss", f"{text}, contact=8").stderr
-    assert "contact 8" in last
+    assert "in contact 8 (right wall); all contacts, including this one, have this law" in last
+    at_wall = ("--loss", f"{text}, contact=wall")
+    assert run("simulate", *options, *at_wall).stderr == last
+    own = run("simulate", *options, *at_wall, "--wall-loss", "elastic").stderr
+    assert "in contact 8 (right wall); all contacts between beads have this law" in own
     yielding = "elastic-plastic, restitution=0.93, speed=0.8 m/s"
     factor = hc.ElasticPlastic.from_restitution(0.93, speed=0.8, chain=PAIR).factor
     found = run("simulate", *options, "--loss", yielding).stderr

@@ -1378,3 +1378,13 @@ def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):
     assert "max_steps = 10" in shown[0]
     assert "(and 5 more points, similarly)" in shown[0]
     assert "see variable `reason`" not in out
+
+
+def test_misspelt_full_names_are_recognised():
+    document = {
+        "chain": {"beads": 4, "right_wall": "same"}, "axes": {"beads": [4, 5]},
+        "sweep": {"methods": ["simulate"], "keep": ["wall_forc.peak"]},
+    }  # fmt: skip
+    said = r"did you mean 'wall_force\.peak'.*wall_peak_force.* body_force\.peak"
+    with pytest.raises(hc.InputError, match=said):
+        hc.sweep(document)

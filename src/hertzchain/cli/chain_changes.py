@@ -221,12 +221,14 @@ def _pairs(texts: list[str]) -> list[tuple[str, str]]:
     return [(key.strip(), value.strip()) for key, _, value in parts]
 
 
-def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str) -> Loss:
+def _law_with_restitution(
+    name: str, given: list[str], chain: Chain, option: str, *, own_law: bool
+) -> Loss:
     """The law of ``viscoelastic, restitution=0.93, speed=0.8 m/s, contact=2``.
 
     A height of fall can replace the speed, and the contact can be ``wall``.
     """
-    from ..chain.bead_names import wall_number
+    from ..chain.bead_names import wall_number, walls_of
     from ..chain.laws.base import LAWS
     from ..chain.laws.given_restitution import usual_contact
     from ..errors import InputError
@@ -244,16 +246,28 @@ def _law_with_restitution(name: str, given: list[str], chain: Chain, option: str
     wall = option == "--wall-loss"
     contact = values.pop("contact", chain.beads if wall else usual_contact(chain))
     contact = int(contact) if isinstance(contact, float) and contact.is_integer() else contact
-    if (at := wall_number(chain, contact)) is not None:
+    at = wall_number(chain, contact)
+    if at is not None:
         # The left wall is bead 0, and its contact has this number, too.
         contact = max(at - 1, 0)
+    elif contact in (0, chain.beads):
+        at = contact + (contact > 0)
+    if at is not None:
+        given_wall = chain.right_wall if at else chain.left_wall
+        own_law = own_law or (given_wall is not None and given_wall.loss is not None)
     try:
         law = LAWS[name].from_restitution(
             coefficient, speed=speed, chain=chain, contact=contact, given=values
         )
-        where = "the wall has" if wall else "all contacts between beads have"
+        side = next((side for side, number in walls_of(chain).items() if number == at), "")
+        place = f"{contact} ({side} wall)" if side and not wall else f"{contact}"
+        where = "all contacts between beads have"
+        if wall:
+            where = "the wall has"
+        elif side and not own_law:
+            where = "all contacts, including this one, have"
         words = _law_in_words(law, chain)
-        click.echo(f"{option}: {words} from the restitution in contact {contact}; {where} this law",
+        click.echo(f"{option}: {words} from the restitution in contact {place}; {where} this law",
                    err=True)  # fmt: skip
         return law
     except InputError as error:
@@ -298,8 +312,11 @@ def _law_in_words(law: Loss, chain: Chain) -> str:
     return ", ".join([law.name, *numbers, *switches])
 
 
-def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:
-    """The law of an option: ``restitution=0.96``, or ``velocity-power=2,alpha=1.2``."""
+def law_from(text: str, chain: Chain, option: str = "--loss", *, own_law: bool = False) -> Loss:
+    """The law of an option: ``restitution=0.96``, or ``velocity-power=2,alpha=1.2``.
+
+    The right wall has a law of its own in the chain, or from another option (``own_law``).
+    """
     from ..chain.laws.base import LAWS
     from ..errors import InputError
     from ..units import UNITS
@@ -312,7 +329,7 @@ def law_from(text: str, chain: Chain, option: str = "--loss") -> Loss:
     parameters = LAWS[name].parameters()
     pairs = _pairs(others)
     if not equals and {"restitution", "speed", "height"} & {key for key, _ in pairs}:
-        return _law_with_restitution(name, others, chain, option)
+        return _law_with_restitution(name, others, chain, option, own_law=own_law)
     if equals and not parameters:
         raise click.UsageError(f"the law {name} has no parameters: write {option} {name}")
     required = [each.name for each in fields(LAWS[name]) if each.default is MISSING]

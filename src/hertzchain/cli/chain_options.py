@@ -293,7 +293,7 @@ def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> C
         chain = with_cap(chain, options.cap)
     losses: dict[str, Any] = {}
     if options.loss is not None:
-        losses["loss"] = law_from(options.loss, chain)
+        losses["loss"] = law_from(options.loss, chain, own_law=options.wall_loss is not None)
     if options.wall_loss is not None:
         losses["right_wall"] = wall_with_loss(options.wall_loss, chain)
     # A wall that the law of the beads does not describe has its own before it is checked.

@@ -108,6 +108,7 @@ class OrderChoice:
     def space(self, chain: Chain) -> BallSpace:
         """The orders for a chain."""
         places = ball_places(chain, numbered_places(chain, self.beads))
+        _check_no_striker(chain, places)
         _check(chain, places)
         kinds = chain.materials or (None,) * chain.beads
         items = [(float(chain.radii[k]), kinds[k]) for k in places]
@@ -122,6 +123,19 @@ class OrderChoice:
         given = np.array([distinct.index(each) for each in items])
         balls = tuple(Ball(2.0 * radius, kind) for radius, kind in distinct)
         return BallSpace(chain, places, balls, False, given)
+
+
+def _check_no_striker(chain: Chain, places: NDArray[np.int64]) -> None:
+    """Raise `InputError` if a striker of given mass or with a flat face is to be exchanged."""
+    bodies = chain._bodies
+    given = [k for k in range(chain.strikers) if bodies[k].mass is not None or bodies[k].flat]
+    if found := sorted({*given} & {*places.tolist()}):
+        first = chain.strikers + 1
+        which = "the striker" if chain.strikers == 1 else "a striker"
+        raise InputError(
+            f"bead {found[0] + 1} is {which}; the order of balls begins at bead {first}: use "
+            f"beads='{first}:'"
+        )
 
 
 def _check(chain: Chain, places: NDArray[np.int64]) -> None:

@@ -13,6 +13,7 @@ from ..designs.limits_if_yielding import not_met_in_words
 from ..designs.measures import notes_on
 from ..designs.report import front_in_words, search_in_words
 from ..designs.result import DesignResult
+from ..designs.sizes_in_words import order_in_words
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, sentence, table
 
@@ -49,6 +50,8 @@ def design_html(result: DesignResult) -> str:
         priced = 2 + any(price for *_, price in rows)
         head = ["count", "ball", "price of one"]
         parts.append(table(head[:priced], [row[:priced] for row in rows]))
+    if problem.discrete and result.chain.materials is not None:
+        parts.append(note(f"order: {order_in_words(result)}"))
     parts += [note(sentence(each)) for each in result.notes]
     return page("DesignResult", str(problem.objective), *parts)
 

@@ -53,9 +53,10 @@ def unknown_quantity(name: object, known: Sequence[str]) -> InputError | str:
         return f"sweeps do not keep the {own} of the pulse; keep residence, from which it follows"
     if at and column in known and bead != "wall":
         return f"{name!r} is {column} of one bead: keep {column}, and give at = [{bead}]"
+    full = [other for each in known if (other := full_name_of(each)) not in known]
     sensors = [f"{full_name_of(each)}@k" for each in (*SENSOR_QUANTITIES, *LARGEST)]
     reflections = [f"{full_name_of(each)}@j-k" for each in REFLECTION]
-    return unknown_name_error("quantity", name, (*known, *sensors, *reflections))
+    return unknown_name_error("quantity", name, (*known, *full, *sensors, *reflections))
 
 
 def absent_places(keep: Sequence[str], chains: Sequence[Chain]) -> list[str]:

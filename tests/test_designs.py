@@ -1448,6 +1448,7 @@ def test_prices_come_from_a_catalogue_of_the_user(tmp_path):
         assert f"  {count} x {ball}: {count * price:g} ({price:g} each)\n" in text
     assert f"  price of all: {found.values['price']:g}\n" in text
     assert "price of one" in found._repr_html_()
+    assert ">order: " in found._repr_html_()
     assert [part["price"] for part in found.as_dict()["parts"]] == list(found.part_prices)
 
 

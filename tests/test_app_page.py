@@ -2289,6 +2289,23 @@ def test_the_page_settles_after_a_field_was_filled(page, text, left_by):
     assert field.input_value() == ("15" if left_by and text == "15 mm" else text)
 
 
+def test_a_size_that_was_cleared_can_be_entered_again(page):
+    page.tab.goto(page.origin + "#first_diameter=20+mm&last_diameter=10+mm&beads=5"
+                  "&materials=steel-52100&velocity=0.1+m/s")  # fmt: skip
+    page.settle()
+    field = page.tab.get_by_label("last diameter", exact=True)
+    field.fill("")
+    field.press("Tab")
+    page.settle()
+    assert field.get_attribute("aria-invalid") == "true"
+    assert "sizes" in page.tab.text_content("#problem")
+    field.fill("15")
+    field.press("Tab")
+    page.settle()
+    assert page.tab.is_hidden("#problem")
+    assert page.document()["chain"]["last_diameter"] == "15 mm"
+
+
 def test_a_finger_selects_a_part_of_the_time(browser, running):
     page = Page(browser, running, viewport={"width": 400, "height": 800}, has_touch=True)
     tab = page.tab

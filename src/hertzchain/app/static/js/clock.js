@@ -4,20 +4,20 @@ import { $ } from "./fields.js";
 import { placeAt, timeAt } from "./numbers.js";
 import { own, results, state } from "./page.js";
 
-/** Seconds that the run, or the part of it that is shown, takes at speed 1. */
+/** Seconds that the times shown take at speed 1. */
 const DURATION = 8;
 
 /** Place in the run, from 0 to 1, and whether it advances. */
 export const clock = { u: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches };
 let last = 0, awake = false, draw = () => {};
 
-/** Places at which the times that are shown begin and end. @returns {number[]} */
+/** Places at which the times shown begin and end. */
 export function span() {
   const { motion } = own(), [low, high] = state.view.range;
   return motion && low >= 0 && low < high && low < timeAt(motion.times, 1) ? [placeAt(motion.times, low), placeAt(motion.times, high)] : [0, 1];
 }
 
-/** Place from 0 to 1 in the times that are shown. */
+/** Place from 0 to 1 in the times shown. */
 export function part() {
   const [from, to] = span();
   return (Math.min(to, clock.u) - from) / (to - from);
@@ -69,7 +69,7 @@ function put(place) {
   play(false);
 }
 
-/** @param {number} part of the times that are shown */
+/** @param {number} part of the times shown */
 export function goTo(part) {
   const [from, to] = span();
   put(from + part * (to - from));

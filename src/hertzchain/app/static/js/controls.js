@@ -83,7 +83,9 @@ export class Controls extends Fields {
     const symbols = this.about.tapers[chain.taper] ?? {};
     const parameters = new Set(Object.values(this.about.tapers).flatMap((/** @type {any} */ each) => Object.keys(each)));
     const shown = keys.filter((key) => names.includes(key.name) && (!parameters.has(key.name) || form !== "taper" || key.name in symbols) && (key.name !== "radius" || this.si))
-      .filter((key) => !/^(last|ratio|length|strikers)/.test(key.name) || key.name in chain);
+      .filter(({ name }) => !/^(last|ratio|length|strikers)/.test(name) || name in chain
+        // A size that was cleared can be entered again.
+        || (name === form.replace("first", "last") && !["ratio", "length", "rate"].some((each) => each in chain)));
     const fields = shown.map((key) => this.field(["chain"], key, symbols[key.name] ? `${words(key.name)} ${symbols[key.name]}` : undefined));
     const select = this.select("form", "defined by", choices.map((name) => [name, this.about.forms[name] ?? words(name)]), () => form, (name) => this.changeForm(name));
     const material = this.materialField(keys.find((key) => key.name === "materials"));

@@ -377,7 +377,7 @@ const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 
 /** The peak of a chain that has none at a yield pressure because no contact yields; otherwise unknown.
  * @param {string} label @param {any} peak */
 function withoutYield(label, peak) {
-  const yields = peak?.shown.some(([/** @type {string} */ words]) => OF_YIELD.test(words));
+  const yields = peak?.shown.some((/** @type {string[]} */ [words]) => OF_YIELD.test(words));
   return OF_YIELD.test(label) && !(yields && AT_MOST.test(label)) ? peak?.yielding || NaN : NaN;
 }
 

@@ -127,8 +127,8 @@ class OrderChoice:
 
 def _check_no_striker(chain: Chain, places: NDArray[np.int64]) -> None:
     """Raise `InputError` if a striker of given mass or with a flat face is to be exchanged."""
-    bodies = chain._bodies
-    given = [k for k in range(chain.strikers) if bodies[k].mass is not None or bodies[k].flat]
+    bodies = ((k, each) for k, each in chain._bodies.items() if k < chain.strikers)
+    given = [k for k, each in bodies if each.mass is not None or each.flat]
     if found := sorted({*given} & {*places.tolist()}):
         first = chain.strikers + 1
         which = "the striker" if chain.strikers == 1 else "a striker"

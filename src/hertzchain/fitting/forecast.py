@@ -165,8 +165,8 @@ class Forecast(Estimates):
         """
         longest = max(map(len, self.names))
         rows = [f"  {name:<{longest}}  {row}" for name, row in self.rows()]
-        lines = [self._about, *rows, self._pulses, *self.warnings]
-        return folded("\n".join(lines), summary_width(width))
+        lines = "\n".join((self._about, *rows, self._pulses, *self.warnings))
+        return folded(lines, summary_width(width))
 
     @property
     def _about(self) -> str:
@@ -444,8 +444,6 @@ def _check_gains(parameters: Sequence[Parameter], traces: Traces, start: Collect
     for each in parameters:
         known = each.prior is not None or str(each) in start
         if each.name.key == "gain" and not known and each.name.item in volts:
-            unit = unit_of_parameter(each, traces)
-            raise InputError(
-                f"{each} is not known: give it a prior{f' in {unit}' * bool(unit)}, or a start "
-                f"such as {{{str(each)!r}: 0.01}}"
-            )
+            unit = f" in {unit}" if (unit := unit_of_parameter(each, traces)) else ""
+            known_as = f"such as {{{str(each)!r}: 0.01}}"
+            raise InputError(f"{each} is not known: give it a prior{unit}, or a start {known_as}")

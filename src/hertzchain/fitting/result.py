@@ -411,8 +411,7 @@ class FitResult(Estimates):
         ----------
         steps : int
             Steps of each walker; the number of walkers is two more than twice the number of
-            parameters, at least 16.  If the posterior is Gaussian, d parameters need about
-            100 + 5 d steps.
+            parameters, at least 16.  A Gaussian posterior of d parameters needs about 100 + 5 d.
         seed : int
             Seed of the random numbers, 0 .. 2^32 - 1.
         progress : callable, optional

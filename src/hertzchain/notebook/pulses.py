@@ -96,4 +96,5 @@ def comparison_html(comparison: Comparison) -> str:
     parts.append(table(("quantity", "largest error", "at k", "rms error"), rows, numeric=True))
     ours, theirs = comparison.pulse, comparison.reference
     about = f"of {ours.method} with {theirs.method}: {ours.chain.description}"
-    return page("Comparison", about, *parts, note("Relative errors of beads and contacts k >= 2."))
+    relative = f"Errors of {ours.method} relative to {theirs.method}, of beads and contacts k >= 2."
+    return page("Comparison", about, *parts, note(relative))

@@ -153,7 +153,7 @@ def _tasks(sheet: LabSheet) -> list[str]:
     return [
         "Read the largest force of the first pulse in each sensor, twice at each speed, and enter "
         "the means.",
-        "Plot the means over the speed on logarithmic axes. What is the slope for each sensor? "
+        "Plot the means against the speed on logarithmic axes. What is the slope for each sensor? "
         f"{expected}why?",
         f"Plot {time} in the same way. How does it depend on the speed?{_on_speed(sheet)}",
         f"{divide} Are the ratios the same at all speeds and sensors? What would {causes} change?",

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.signal import lsim
-from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces, traces
+from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces, recorded, traces
 
 import hertzchain as hc
 from hertzchain.cli.wording import on_command_line
@@ -222,6 +222,25 @@ def test_misread_columns_are_named(change, words):
     (advice,) = fitted(change).advice
     assert words in advice or words.replace("= 2", "= 1.99") in advice
     assert DESCRIBES in advice
+
+
+@pytest.mark.long
+def test_exchanged_columns_are_named_without_advice_on_units_if_there_is_another_error():
+    # The signal of the wall is late by three samples, so that no order describes the data.
+    times, columns = recorded()
+    columns = columns | {A: columns[B], B: columns[A], WALL: np.roll(columns[WALL], 3)}
+    volts = {name.replace("[N]", "[V]"): 0.02 * values for name, values in columns.items()}
+    gains = ("gain[ball 5]", "gain[ball 10]", "gain[wall]")
+    result = hc.fit(
+        hc.Traces.from_arrays(times, volts), chain(), free=[*FREE, *gains], starts=1,
+        priors=dict.fromkeys(gains, (0.02, 0.001)),
+    )  # fmt: skip
+    assert "the columns of ball 5 and ball 10 exchanged" in result.advice[0]
+    assert DESCRIBES not in result.advice[0]
+    assert result.misread
+    summary = result.summary(width=None)
+    assert "from its prior" not in summary
+    assert "the unit in its header" not in summary
 
 
 @pytest.mark.long

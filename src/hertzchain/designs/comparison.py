@@ -132,8 +132,12 @@ def better_if_yielding(result: DesignResult) -> int | None:
 def best_reference(result: DesignResult) -> str | None:
     """Name of the best reference that meets the constraints, if the design is hardly better."""
     best = _best_feasible(result)
-    if best is None or not result.met or result.problem.scatter is not None:
+    if best is None or not result.met:
         return None
+    if result.problem.scatter is not None:
+        # Objectives are those of samples; the chains themselves can be the same.
+        equal = (name for name, each in result.references.items() if _same(each, result.verified))
+        return next(equal, None)
     other = result.objective_of(result.references[best])
     better = result._sign * (other - result.value)
     return best if better <= NEGLIGIBLE * abs(other) else None

@@ -1,4 +1,4 @@
-"""Print text whose lines are wrapped on a narrow terminal."""
+"""Print text whose lines are broken on a narrow terminal."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from typing import Final
 
 import click
 
-# Lines are not wrapped to less than this width.
+from ..representation import folded
+
+# Lines are not broken to less than this width.
 LEAST_WIDTH: Final = 40
+# Additional indent of the rest of a broken line.
+INDENT: Final = 4
 
 
 def show_text(text: str, *, err: bool = False) -> None:
-    """Print lines, wrapped on a terminal that is narrower.
+    """Print lines, broken on a terminal that is narrower.
 
     Lines in files and pipes are whole, so that they can be searched.
     """
@@ -23,22 +27,7 @@ def show_text(text: str, *, err: bool = False) -> None:
 
 
 def wrapped(text: str, width: int) -> str:
-    """Lines of at most this width; continuation lines are indented by four more columns."""
-    import textwrap
-
-    lines = []
-    for line in text.split("\n"):
-        indent = " " * (len(line) - len(line.lstrip(" ")) + 4)
-        lines += (
-            textwrap.wrap(
-                line,
-                width,
-                subsequent_indent=indent,
-                break_long_words=False,
-                break_on_hyphens=False,
-            )
-            or [""]
-            if len(line) > width
-            else [line]
-        )
-    return "\n".join(lines)
+    """Lines of at most this width; the rest of a broken line is indented further."""
+    return "\n".join(
+        folded(line, width, len(line) - len(line.lstrip(" ")) + INDENT) for line in text.split("\n")
+    )

@@ -861,6 +861,24 @@ def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says
     assert "nothing better" not in hc.design(problem, budget=100).summary()
 
 
+def test_a_search_with_scatter_says_that_it_found_nothing_better_than_equal_balls():
+    chain = hc.Chain.from_materials(
+        "5 mm", "steel-52100", beads=5, velocity="0.1 m/s", right_wall=hc.Wall.of("steel-52100")
+    )
+    balls = hc.vary.balls(
+        materials=["steel-52100"], diameters=["5 mm", "8 mm"], beads="2:", optional=True
+    )
+    scatter = hc.Scatter(gaps="5 um", beads="2:", samples=10)
+    said = {}
+    for objective in ("length", "wall_force.peak"):
+        problem = hc.Design(chain, minimise=objective, vary=[balls], scatter=scatter)
+        said[objective] = (
+            "than the best row of equal balls"
+            in hc.design(problem, method="genetic", budget=400).summary()
+        )
+    assert said == {"length": True, "wall_force.peak": False}
+
+
 def test_a_front_may_be_limited_to_some_points():
     whole = hc.design(balls_and_masses(), budget=400)
     found = hc.design(balls_and_masses(), budget=400, points=3)

@@ -264,10 +264,11 @@ class Reflection(Compared):
         if self.entered_energy > SHOWN:
             ended = f"waves with energy {self.entered_energy:.4f} entered"
         end = measure(self.until, "s", self.chain.units)
+        rest = "\n        " if self._nearby else " "  # a range leaves no space for the momentum
         return (
             f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
             f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
-            f"    reflected energy {self.reflected_energy:.4f}{self._nearby}, "
+            f"    reflected energy {self.reflected_energy:.4f}{self._nearby},{rest}"
             f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')};\n"
             f"    transmitted energy {self.transmitted_energy:.4f}, "
             f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}; "

@@ -142,6 +142,22 @@ def test_files_describe_the_same_chain(chain, tmp_path):
         assert hc.chain_from_toml(text).masses == pytest.approx(chain.masses, rel=1e-5)
 
 
+@pytest.mark.parametrize("name", [
+    "mass", "frequency", "free", "gap", "losses", "masses", "one ball", "scatter", "struck",
+])  # fmt: skip
+def test_a_cap_replaces_another_one(name):
+    chain = CHAINS[name]
+    for cap in ({"mass": "8 g", "material": "brass"},
+                {"mass": "3 g", "stiffness": "1 kN/mm", "exponent": 1}):  # fmt: skip
+        replaced = chain.with_cap("7 g", stiffness="2 kN/mm", exponent=1).with_cap(**cap)
+        assert replaced.beads == chain.beads
+        assert replaced == chain.with_cap(**cap)
+        assert (replaced.masses[-1], replaced.materials[-1].name) == (
+            pytest.approx(float(cap["mass"][0]) * 1e-3), cap.get("material", STEEL)
+        )
+        assert replaced.contact_exponents[-2] == cap.get("exponent", 1.5)
+
+
 def test_a_chain_file_describes_a_cap():
     text = (
         '[chain]\ndiameters = "10 mm"\nbeads = 4\nmaterials = "brass"\n'
@@ -185,7 +201,6 @@ def test_chain_files_with_other_caps_are_rejected(cap, said):
     (lambda: hc.Chain.uniform(3).with_cap("5 g"), "mass of a cap"),
     (lambda: hc.Chain.uniform(3, exponent=2.0).with_cap(1.0), "of a cap cannot be computed"),
     (lambda: hc.Chain.dimer(0.3, beads=4).with_cap(1.0), "of a cap cannot be computed"),
-    (lambda: CHAINS["mass"].with_cap("5 g"), "has a cap already; omit one, or cut it off"),
     (lambda: balls(right_wall=hc.Wall()).with_cap("5 g"),
      "flat striker or cap has no Hertz contact with a wall: give the stiffness of the wall"),
     (lambda: CHAINS["mass"].replace(right_wall=hc.Wall()), "has no Hertz contact with a wall"),
@@ -455,8 +470,8 @@ def test_the_command_adds_a_cap(run, tmp_path):
     assert (code, "give the stiffness of the wall, such as --wall '5 kN/mm'" in err) == (2, True)
     code, _, err = run("simulate", *described, "--cap", "5 kHz")
     assert "such as --wall '5 kN/mm', but the chain has no right wall; add --wall" in err
-    code, _, err = run("simulate", file, "--cap", "5 g")
-    assert "the chain has a cap already; omit --cap" in err
+    code, out, err = run("simulate", file, "--cap", "8 g", "--until", "1 ms")
+    assert (code, "and a cap (8 g, steel-52100)" in out) == (0, True), err
     code, _, err = run("simulate", "--beads", "4", "--cap", "5 g")
     assert (code, "--cap '5 g' requires --material" in err) == (2, True)
 

@@ -12,7 +12,7 @@ from ..validation.keywords import checked_arguments
 from .fields import ChainFields
 from .laws import Loss
 from .mass_and_stiffness import contact_stiffness
-from .per_contact import MaterialPairs, given_laws
+from .per_contact import LINEAR, MaterialPairs, given_laws
 
 C = TypeVar("C", bound=ChainFields)
 # Features of the set-up, which must agree where chains are joined.
@@ -64,7 +64,7 @@ def part(self: C, beads: slice) -> C:
             f"the chain begins with {self.strikers} strikers: keep all of them and a bead, or cut "
             "off all of them"
         )
-    changes = _cut(self, start, stop)
+    changes = cut(self, start, stop)
     if start > 0:
         changes |= {"left_wall": None, "drive": None, "strikers": 0, "striker_properties": ()}
     if stop < self.beads:
@@ -99,7 +99,7 @@ def reversed_beads(self: C) -> C:
             "reversed first, then struck_by, with_cap or replace(velocities=...)"
         )
     changes = {
-        name: value[::-1] for name, value in _cut(self, 0, self.beads).items() if name != "scatter"
+        name: value[::-1] for name, value in cut(self, 0, self.beads).items() if name != "scatter"
     }
     if "velocities" in changes:
         changes["velocities"] = self.velocities
@@ -175,7 +175,7 @@ def _require_slice(beads: object) -> None:
         )
 
 
-def _cut(chain: ChainFields, start: int, stop: int) -> dict[str, Any]:
+def cut(chain: ChainFields, start: int, stop: int) -> dict[str, Any]:
     """Fields of a part of the beads that have one value per bead or contact."""
     changes: dict[str, Any] = {"radii": chain.radii[start:stop]}
     if chain.scatter is not None:
@@ -190,6 +190,9 @@ def _cut(chain: ChainFields, start: int, stop: int) -> dict[str, Any]:
             changes[name] = getattr(chain, name)[start : stop - 1]
     if isinstance(chain.exponent, np.ndarray):
         changes["exponent"] = chain.exponent[start : stop - 1]
+    elif chain.exponent == LINEAR and stop - start == 1:
+        # That of the pad between two bodies.
+        changes["exponent"] = HERTZ_EXPONENT
     if isinstance(chain.loss, tuple):
         changes["loss"] = chain.loss[start : stop - 1]
     return changes

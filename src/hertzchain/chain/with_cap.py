@@ -21,6 +21,7 @@ from .input_checks import checked_beads, checked_wall_exponent, warn_heavy_cap, 
 from .materials import Material, MaterialLike
 from .materials import material as material_named
 from .per_contact import usual_exponent
+from .pieces import cut
 from .striker_properties import UNKNOWN_STIFFNESS, face_stiffness
 
 C = TypeVar("C", bound=ChainFields)
@@ -45,7 +46,8 @@ def with_cap(
     cap: the spring of the load cell.  Masses and contacts of all other beads still follow from
     their radii if they did.  Exponents and losses that are listed by contact are repeated for the
     contact with the cap.  A law of loss that is given for all contacts is that of a pad, too;
-    only `ElasticPlastic` does not apply to it.
+    only `ElasticPlastic` does not apply to it.  If the chain has a cap, the new one replaces it
+    and its contact.
 
     Walls push, but do not pull: the cap rests on its spring and can leave it after the first peak,
     whereas a cap that is bolted to its cell continues to oscillate.  The first peak is the same.
@@ -75,8 +77,8 @@ def with_cap(
     Raises
     ------
     InputError
-        If a value is out of range, the chain has a cap, the right wall has the stiffness of a
-        Hertz contact, or the stiffness of the cap's contact cannot be computed.
+        If a value is out of range, the right wall has the stiffness of a Hertz contact, or the
+        stiffness of the cap's contact cannot be computed.
 
     Warns
     -----
@@ -100,7 +102,7 @@ def with_cap(
     array([1.5, 1. , 1. ])
     """
     if self.cap is not None:
-        raise InputError("the chain has a cap already; omit one, or cut it off with chain[:-1]")
+        self = self.replace(cap=None, **cut(self, 0, self.beads - 1))
     checked_beads(self.beads + 1)
     if (mass is None) == (frequency is None):
         raise InputError(

@@ -125,7 +125,7 @@ CHAIN_OPTIONS: Final = (
         "cell; without a wall, it is a free body such as a box with an instrument.  Give its mass, "
         "or its resonance frequency on the wall.  You can add its material, as in "
         "'5 g, steel-304', and the stiffness of a pad or spring in front of it, as in "
-        "'5 g, 1 kN/mm'.",
+        "'5 g, 1 kN/mm'.  Replaces the cap of a FILE.",
     ),
     click.option(
         "--loss",

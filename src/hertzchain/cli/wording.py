@@ -113,7 +113,6 @@ BY_OPTION: Final = {
             "such as --wall '5 kN/mm'",
         ),
         (r"; set the wall before the cap, or give the mass", "; add --wall, or give the mass"),
-        (r"; omit one, or cut it off with chain\[:-1\]$", "; omit --cap"),
     ),
     "loss": (
         (r"\buse loss=ElasticPlastic\(\)", "add --loss elastic-plastic"),

@@ -153,7 +153,8 @@ def test_a_cap_replaces_another_one(name):
         assert replaced.beads == chain.beads
         assert replaced == chain.with_cap(**cap)
         assert (replaced.masses[-1], replaced.materials[-1].name) == (
-            pytest.approx(float(cap["mass"][0]) * 1e-3), cap.get("material", STEEL)
+            pytest.approx(float(cap["mass"][0]) * 1e-3),
+            cap.get("material", STEEL),
         )
         assert replaced.contact_exponents[-2] == cap.get("exponent", 1.5)
 
@@ -195,6 +196,10 @@ def test_chain_files_with_other_caps_are_rejected(cap, said):
     (lambda: balls().with_cap("5 g", frequency="5 kHz"), "both were given"),
     (lambda: balls().with_cap("5 mm"), "mass of a cap"),
     (lambda: balls().with_cap(-1.0), "mass of a cap must be above 0"),
+    (lambda: balls().with_cap("5 g", stiffness="1 kN", exponent=1),
+     "must have a unit such as N/m, N/mm, kN/mm, got 'kN'"),
+    (lambda: balls().with_cap("5 g", stiffness="1 kN/mm", exponent=2),
+     "N/m.2, Pa, .*, got 'kN/mm'"),
     (lambda: balls().with_cap("5 g", stiffness=0.0), "stiffness of the contact of a cap must be"),
     (lambda: balls().with_cap("5 g", material="stele-304"), "unknown material"),
     (lambda: hc.Chain.uniform(3).with_cap(1.0, material="brass"), "requires a chain with mat"),

@@ -109,7 +109,7 @@ def test_walls_strikers_and_laws_of_spheres_are_not_those_of_the_pad():
 @pytest.mark.parametrize(
     ("build", "said"),
     [
-        (lambda: BALLS.with_cap("15 g", exponent=1), "give stiffness in N/m^1"),
+        (lambda: BALLS.with_cap("15 g", exponent=1), "give stiffness in N/m, or"),
         (lambda: BALLS.with_cap("15 g", stiffness="1 kN/mm"), "this unit have exponent = 1"),
         (lambda: BALLS.with_cap("15 g", stiffness=1e6, exponent=0.9), "at least 1 and at most 50"),
         (lambda: hc.Chain.uniform(4, exponent=[1, 1, 1]), "all 3 contacts have the exponent 1"),

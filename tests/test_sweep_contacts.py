@@ -71,7 +71,7 @@ def test_the_unit_of_another_exponent_is_rejected():
     with pytest.raises(hc.InputError, match="contacts with this unit have exponent = 1"):
         hc.sweep({"chain": hertz, "axes": {"right_wall.stiffness": VALUES}, "sweep": KEEP})
     values = ["1 N/m^1.5", "2 N/m^1.5"]
-    with pytest.raises(hc.InputError, match="such as N/m, got 'N/m.1.5'"):
+    with pytest.raises(hc.InputError, match="such as N/m, N/mm, kN/mm, got 'N/m.1.5'"):
         hc.sweep({"chain": CELL, "axes": {"right_wall.stiffness": values}, "sweep": KEEP})
 
 

@@ -67,6 +67,8 @@ UNITS: Final[Mapping[str, tuple[str, ...]]] = MappingProxyType(
         "damping": ("kg/s", "g/s"),
     }
 )
+# Units of the stiffness of a linear spring that messages list; those of a chain are `UNITS`.
+LINEAR_STIFFNESS: Final = ("N/m", "N/mm", "kN/mm")
 # Units of electrical signals, in V.
 VOLTS: Final[Mapping[str, float]] = MappingProxyType({"V": 1.0, "mV": 1e-3, "uV": 1e-6, "µV": 1e-6})
 # Gain of a sensor with its unit, such as 20 mV/N, 0.3 V s/m and 0.3 V/(m/s).
@@ -131,6 +133,11 @@ def is_unit(text: str) -> bool:
     return _parse(text) is not None
 
 
+def unit_of_stiffness(exponent: float) -> str:
+    """Unit of the stiffness k of F = k d^p: N/m for a linear spring."""
+    return "N/m" if exponent == 1.0 else f"N/m^{exponent:.15g}"
+
+
 def has_dimension(unit: str, si: str) -> bool:
     """Whether text is a unit of the dimension of an SI unit."""
     given, target = _parse(unit), _parse(si)
@@ -141,7 +148,10 @@ def converted(what: str, number: str | float, unit: str, si: str) -> float:
     """Convert a number to the SI unit ``si``."""
     given, target = _parse(unit), _parse(si)
     assert target is not None, si
-    choices = _choices(target) or (si.replace("**", "^"),)
+    choices, written = _choices(target), si.replace("**", "^")
+    if written not in choices:
+        # A stiffness in N/m^2 has the dimension of a pressure.
+        choices = (written, *choices)
     if given is None and unit.strip() in MEANT:
         raise InputError(f"unknown unit of {what} {unit!r}; did you mean {MEANT[unit.strip()]!r}?")
     if given is None and not si:
@@ -229,7 +239,7 @@ def _is_number(text: str) -> bool:
 
 def _choices(unit: Unit) -> tuple[str, ...]:
     """Units of the same dimension that are listed in messages."""
-    for names in UNITS.values():
+    for names in (*UNITS.values(), LINEAR_STIFFNESS):
         first = _parse(names[0])
         if first is not None and first.powers == unit.powers:
             return names

@@ -12,6 +12,7 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import unknown_name_error
 from ..frozen import Frozen
+from ..units import unit_of_stiffness
 from ..validation.keywords import checked_methods, show_fields
 from ..validation.numbers import (
     SCALED,
@@ -232,7 +233,7 @@ class ChainFields(Frozen):
     @property
     def _stiffness_unit(self) -> str:
         p = self.exponents
-        return f"N/m**{p}" if isinstance(p, float) else ""
+        return unit_of_stiffness(p) if isinstance(p, float) else ""
 
     def _unit(self, unit: str) -> str:
         """Unit in which this chain stores a quantity, for `hertzchain.validation.numbers`."""

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, short_repr, warn_user
-from ..units import STANDARD_GRAVITY
+from ..units import STANDARD_GRAVITY, unit_of_stiffness
 from ..validation.memory import check_memory
 from ..validation.numbers import has_unit, number, per_bead_array, real_numbers, whole_number
 
@@ -204,7 +204,7 @@ def warn_soft(what: str, stiffness: float, exponent: float) -> None:
     radius, modulus = SOFT_BALL
     if stiffness >= modulus * radius ** (2.0 - exponent):
         return
-    unit = "N/m" if exponent == 1.0 else f"N/m^{exponent:g}"
+    unit = unit_of_stiffness(exponent)
     advice = "check its unit"
     if exponent in (1.0, HERTZ_EXPONENT):
         others = ("kN/mm", "N/mm") if exponent == 1.0 else ("N/mm^1.5",)

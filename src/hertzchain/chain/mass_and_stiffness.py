@@ -9,6 +9,7 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array, hertz_stiffness
 from ..errors import InputError
+from ..units import unit_of_stiffness
 from .materials import Material, Materials, contact_moduli, contact_modulus, sphere_stiffness
 from .walls import Wall, material_of_wall
 
@@ -49,9 +50,10 @@ def contact_stiffness(
     known = _required(materials, "stiffness")
     others = exponents[exponents != HERTZ_EXPONENT]
     if len(others):
+        p = float(others[0])
         raise InputError(
             f"materials determine the stiffness of Hertz contacts (exponent 1.5) only, not of p = "
-            f"{others[0]:g}; give stiffness in N/m^{others[0]:g}{_shape_with(float(others[0]))}"
+            f"{p:g}; give stiffness in {unit_of_stiffness(p)}{_shape_with(p)}"
         )
     return sphere_stiffness(radii[:-1], radii[1:], contact_moduli(known))
 

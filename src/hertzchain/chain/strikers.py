@@ -15,7 +15,7 @@ import numpy as np
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, InputWarning, warn_user
 from ..representation import measure
-from ..units import STANDARD_GRAVITY
+from ..units import STANDARD_GRAVITY, unit_of_stiffness
 from ..validation.json_types import FLAT_FACES
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import number, plain_magnitude, whole_number
@@ -157,7 +157,7 @@ def struck_by(
     if own is not None and self.materials is not None:
         new["materials"] = (own,) * count + self.materials
     if stiffness is not None:
-        unit = self._unit(f"N/m**{_exponent(self):.15g}")
+        unit = self._unit(unit_of_stiffness(_exponent(self)))
         stiffness = number("stiffness of the new contacts", stiffness, unit=unit, above=0.0)
     if "masses" in self.given:
         new["masses"] = np.concatenate((np.full(count, heavy), self.masses))

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..units import unit_of_stiffness
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import has_unit, number
 from .cap import Cap
@@ -122,7 +123,7 @@ def with_cap(
     new = _exponents_with(self, exponent)
     if stiffness is not None:
         p = new.get("exponent", self.contact_exponents[1:-1])
-        unit = self._unit(f"N/m**{p[-1]:.15g}" if len(p) else self._stiffness_unit)
+        unit = self._unit(unit_of_stiffness(p[-1]) if len(p) else self._stiffness_unit)
         plain = not has_unit(stiffness)
         stiffness = number("stiffness of the contact of a cap", stiffness, unit=unit, above=0.0)
         if self.units == "SI" and plain and len(p):

@@ -21,7 +21,7 @@ from ..chain.walls import Wall
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, unknown_name_error
 from ..recorded_warnings import ignore_warnings
-from ..units import is_unit
+from ..units import is_unit, unit_of_stiffness
 from ..validation.numbers import FRACTION
 from .ball_counts import numbers_in_words
 from .law_parameters import (
@@ -149,7 +149,7 @@ def kind_of(chain: Chain, name: Name) -> Kind:
         raise InputError(f"{name} needs an item in brackets, such as {example[key.split('.')[0]]}")
     if key == "wall.stiffness":
         exponent = chain.contact_exponents[0 if name.key.startswith("left") else -1]
-        return dataclasses.replace(KINDS[key], unit=f"N/m^{exponent:g}")
+        return dataclasses.replace(KINDS[key], unit=unit_of_stiffness(exponent))
     return KINDS[key]
 
 

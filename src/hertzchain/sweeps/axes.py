@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import counted, short
 from ..store.schema_paths import dimensions_of, is_count, is_fraction, is_place, names_beside
-from ..units import PERCENT, UNITS, converted, quantity
+from ..units import PERCENT, UNITS, converted, quantity, unit_of_stiffness
 from ..validation.json_types import to_json_types
 from ..validation.keywords import FIELD_ALIASES
 from ..validation.numbers import FRACTION, has_unit, number, whole_hint, whole_number
@@ -110,7 +110,7 @@ class Axis:
     def _si_unit(self, dimension: str) -> str:
         """SI unit of a dimension, a key of `hertzchain.units.UNITS`."""
         if dimension == "stiffness" and self.exponent is not None:
-            return "N/m" if self.exponent == 1.0 else f"N/m^{self.exponent:.15g}"
+            return unit_of_stiffness(self.exponent)
         return UNITS[dimension][0]
 
     @property

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError
+from ..units import unit_of_stiffness
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import bounded_numbers, has_unit, number
 from .solitary_wave_solver import (
@@ -269,7 +270,7 @@ class SolitaryWave:
     ) -> tuple[Any, Any, Any]:
         """Velocity or force, mass and stiffness as positive numbers, in SI if one has a unit."""
         units = {name: {"velocity": "m/s", "force": "N"}[name], "mass": "kg",
-                 "stiffness": f"N/m**{self.exponent}"}  # fmt: skip
+                 "stiffness": unit_of_stiffness(self.exponent)}  # fmt: skip
         given = {name: value, "mass": mass, "stiffness": stiffness}
         given = {name: value for name, value in given.items() if value is not None}
         if any(map(has_unit, given.values())):

@@ -1,9 +1,12 @@
 """Energy that interfaces, defects and walls reflect, and the flux of energy through contacts."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.recorded_warnings import ignore_warnings
 from hertzchain.simulation.budget import overlaps_of, stored_energy
 
 # Two equal pulses that meet head on see each other as a wall of this stiffness (images).
@@ -287,10 +290,47 @@ def test_the_wall_has_a_name_and_contacts_next_to_it_cause_a_warning():
     run = hc.simulate(chain, until=90.0, times=2000)
     named, numbered = run.reflection(25, "wall"), run.reflection(25, 40)
     assert (named.after, named.reflected_energy) == (40, numbered.reflected_energy)
-    with pytest.warns(hc.InputWarning, match="contact 39 is 1 from the end of the chain"):
-        run.reflection(25, 39)
+    assert not named.overlapping
+    assert "overlap" not in repr(named)
+    with pytest.warns(hc.InputWarning, match="contact 39 is 1 from the end .* wall itself, 40$"):
+        near = run.reflection(25, 39)
+    assert near.overlapping
+    assert "; the waves overlap;" in repr(near)
+    assert "Contact 39 is 1 from the end of the chain" in near._repr_html_()
+    free = hc.simulate(hc.Chain.uniform(40), until=60.0, times=1500)
+    with pytest.warns(hc.InputWarning, match="at least 5 from the end$"):
+        free.reflection(20, 39)
     with pytest.raises(hc.InputError, match="no left wall"):
         run.reflection(25, "left wall")
+
+
+def test_energy_of_beads_that_have_separated_is_not_awaited():
+    """At a free end, the last beads fly away one after another."""
+    free = hc.Chain.uniform(40)
+    early, late = (hc.simulate(free, until=t, times=1500) for t in (46.0, 90.0))
+    with pytest.warns(hc.IncompleteWarning, match="still between .*; simulate for longer"):
+        moving = early.reflection(20, 40)
+    with pytest.warns(hc.InputWarning, match="100% .* beads that have separated .* free end"):
+        gone = late.reflection(20, 40)
+    assert moving.reflected_energy == gone.reflected_energy == 0.0
+    assert moving.separated_energy < 1e-9
+    # All of them move away from each other.
+    assert gone.separated_energy == pytest.approx(1.0, abs=1e-4)
+    assert np.all(np.diff(late.velocities[-1, 20:]) >= 0.0)
+    assert "kept 1.0000 (1.0000 in beads that have separated)" in repr(gone)
+    assert max(map(len, repr(gone).splitlines())) <= 100
+    assert "in separated beads" in gone._repr_html_()
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert gone.reflected_momentum == 0.0
+    mirrored = free.replace(velocities=-free.velocities[::-1])
+    with pytest.warns(hc.InputWarning, match="beads that have separated"):
+        again = hc.simulate(mirrored, until=90.0, times=1500).reflection(20, 0)
+    assert again.separated_energy == pytest.approx(gone.separated_energy, abs=1e-9)
+    # A constant force brings the last bead back.
+    held = free.replace(precompression=1e-3, held_by="force", velocities=free.velocities)
+    with ignore_warnings():
+        assert hc.simulate(held, until=45.0, times=1500).reflection(20, 40).separated_energy == 0.0
 
 
 def test_times_of_a_reflection_have_units():

@@ -118,9 +118,11 @@ def reflection_html(found: Reflection) -> str:
         "its momentum": engineering(incident.impulse, "N s", units),
         "its force": engineering(incident.amplitude, "N", units),
         "counted until": engineering(found.until, "s", units),
-        "energy kept": f"{found.kept_energy:.4f}",
         "momentum kept": f"{found.kept_momentum:.4f}",
+        "energy kept": f"{found.kept_energy:.4f}",
     }
+    if found._separated:
+        shown["of this, in separated beads"] = f"{found.separated_energy:.4f}"
     if found._unexplained:
         shown["energy unexplained"] = f"{found.unexplained_energy:.4f}"
     parts = [
@@ -132,6 +134,8 @@ def reflection_html(found: Reflection) -> str:
             f"The {' and the '.join(late)} momentum {'is' if len(late) == 1 else 'are'} not "
             "complete: slow beads still carry momentum towards the contacts."
         ))  # fmt: skip
+    if found.overlapping:
+        parts.append(note(sentence(found._overlap)))
     if found.disturbed:
         parts.append(note("The count ended because another wave entered."))
     about = f"between contacts {found.before} and {found.after}: {found.chain.description}"

@@ -10,11 +10,13 @@ from ..collision import Array
 from .budget import overlaps_of, stored_energy
 from .reflection import Reflection
 from .trajectory import Trajectory
-from .wave_events import static_forces_of
+from .wave_events import largest_force_of, static_forces_of
 
 # Energy that may be on its way to a contact, relative to the energy counted there and, at least,
 # to the incident energy: slow beads behind a pulse have a few times 1e-4 for a long time.
 COMING, LEAST = 0.05, 5e-4
+# Forces of open contacts, relative to the largest force of the run: rounding errors.
+ROUNDING: Final = 1e-9
 NAMES: Final = ("reflected", "transmitted")
 
 
@@ -46,13 +48,40 @@ def incomplete(run: Trajectory, found: Reflection) -> Incomplete | None:
     return None
 
 
+def separated_energy(run: Trajectory, found: Reflection) -> float:
+    """Energy of the beads between the contacts that have separated, over the incident energy."""
+    energies = _energies(run, found.before, found.after, np.array([found.until]))[0]
+    return float(energies[_separated(run, found)].sum()) / found.incident.energy
+
+
+def _separated(run: Trajectory, found: Reflection) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Which beads between the contacts fly away from a free end, and meet no others again.
+
+    From the end, all contacts are open and no two beads approach each other; beads that follow
+    can only accelerate them away from the row.
+    """
+    chain, saved = run.chain, _saved(run, np.array([found.until]))[0]
+    apart = np.zeros(chain.beads, bool)
+    low, high = sorted((found.before, found.after))
+    if chain.gravity or np.any(static_forces_of(run)):
+        return apart[low:high]
+    velocities, forces = run.velocities[saved], np.abs(run.forces[saved, 1:-1])
+    closed = forces > ROUNDING * largest_force_of(run)
+    for end, sign in ((chain.left_wall or chain.drive, -1), (chain.right_wall, 1)):
+        if end is None:
+            outward = (sign * velocities)[::-sign]
+            flying = ~closed[::-sign] & (np.diff(outward) <= 0.0) & (outward[:-1] >= 0.0)
+            apart[::-sign][: chain.beads - 1] |= np.logical_and.accumulate(flying)
+    return apart[low:high]
+
+
 def _coming(run: Trajectory, found: Reflection) -> tuple[float, float]:
     """Energy on its way to ``before`` and to ``after`` at the end, over the incident energy.
 
     Without precompression, the beads of a wave move in its direction.
     """
     energies = _energies(run, found.before, found.after, np.array([found.until]))[0]
-    energies /= found.incident.energy
+    energies *= ~_separated(run, found) / found.incident.energy
     if found.after in (0, run.chain.beads):
         return float(energies.sum()), 0.0
     low, high = sorted((found.before, found.after))
@@ -65,7 +94,7 @@ def momentum_on_its_way(run: Trajectory, found: Reflection) -> tuple[float, floa
     """Momentum that moves towards ``before`` and ``after`` at the end, over the incident one."""
     low, high = sorted((found.before, found.after))
     saved = _saved(run, np.array([found.until]))[0]
-    momenta = (run.chain.masses * run.velocities[saved])[low:high]
+    momenta = (run.chain.masses * run.velocities[saved])[low:high] * ~_separated(run, found)
     onward = momenta * found.incident.direction > 0.0
     back, on = (float(np.abs(momenta[part]).sum()) for part in (~onward, onward))
     back, on = back / found.incident.impulse, on / found.incident.impulse

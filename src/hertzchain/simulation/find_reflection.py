@@ -13,8 +13,15 @@ from ..chain.chain import Chain
 from ..errors import IncompleteWarning, InputError, InputWarning, SimulationError, warn_user
 from ..representation import measure
 from ..validation.numbers import number, whole_number
-from .energy_on_its_way import LEAST, Incomplete, energy_between, incomplete, momentum_on_its_way
-from .reflection import Reflection
+from .energy_on_its_way import (
+    LEAST,
+    Incomplete,
+    energy_between,
+    incomplete,
+    momentum_on_its_way,
+    separated_energy,
+)
+from .reflection import Reflection, least_distance
 from .trajectory import Trajectory
 from .wave_events import (
     ContactCurves,
@@ -35,8 +42,6 @@ WEAK: Final = 0.01
 # Fraction of the incident energy that may be missing, still be between the contacts, or enter from
 # outside before the incident wave has left; fraction of the momentum that may be missing.
 MISSING: Final = 0.05
-# Number of contacts over which a wave extends.
-WIDTH: Final = 5
 # Neighbouring contacts with which the reflected energy is compared, and how many of those beyond
 # `before` are enough; differences, relative to it and to the incident energy, from which it depends
 # on the contact, the latter also from which a coefficient depends on the end of the count.
@@ -58,8 +63,10 @@ def reflection_of(
     ----------
     before, after : int
         Contacts on both sides of an interface or defect, in the direction of the wave, each at
-        least the width of a pulse (5 contacts) from it.  For a wall or free end, ``after`` is N
-        or 0; for a wall, also ``"wall"``, ``"right wall"`` or ``"left wall"``.
+        least the width of a pulse (5 contacts) from it.  For a wall or the end of a precompressed
+        chain, ``after`` is N or 0; for a wall, also ``"wall"``, ``"right wall"`` or
+        ``"left wall"``.  At the end of a row without precompression or wall, beads separate and
+        fly away, so that no wave is reflected.
     since : float
         Time from which to search for the incident wave [scaled, or s].
     until : float, optional
@@ -89,6 +96,8 @@ def reflection_of(
         If the contacts are less than 10 apart, or less than 5 from a wall or free end.
         If more than 5% of the incident energy is missing from the balance, because of other
         waves; if ``missing_momentum`` exceeds 5%.
+        If beads that have separated and fly away from a free end have more than 5% of the
+        incident energy (``separated_energy``), which a longer run cannot count.
         If the reflected energy at ``before`` differs from the median of the 6 contacts in front
         of it and from that of the 6 contacts beyond it, which happens where weak waves meet the
         reflected one, as in dimers.
@@ -140,11 +149,15 @@ def reflection_of(
     found = _between(self, (first, second), incident, near, far, stop)
     _check_rarefactions(self, found)
     _check_count(self, found)
-    found = dataclasses.replace(found, momentum_on_its_way=momentum_on_its_way(self, found))
+    found = dataclasses.replace(
+        found,
+        momentum_on_its_way=momentum_on_its_way(self, found),
+        separated_energy=separated_energy(self, found),
+    )
     nearby = _neighbours(self, found, far, stop) if self.chain.lossless else []
     if nearby:
         found = dataclasses.replace(found, nearby_energy=(min(nearby), max(nearby)))
-    near_object = _near_object(self, first, second)
+    near_object = found._overlap
     depends = _dependence(found, nearby)
     other = _other_waves(found)
     late = "" if other else _on_the_way(self, found, known=bool(near_object or depends))
@@ -152,7 +165,8 @@ def reflection_of(
         warn_user(late, InputWarning if found.disturbed else IncompleteWarning)
     momentum = "" if other or late else _missing_in_waves(found)
     growing = "" if other or late else _growing(found)
-    for reason in filter(None, (depends, other, growing, momentum, near_object)):
+    apart = "" if other or late else _stays(found)
+    for reason in filter(None, (depends, other, growing, momentum, apart, near_object)):
         warn_user(reason, InputWarning)
     return found
 
@@ -209,7 +223,9 @@ def _nearby(
     """Reflected energy at the contacts on one side of ``before``, up to the reflecting object."""
     incident, sign, nearby = found.incident, found.incident.direction, []
     for contact in (found.before + side * shift for shift in range(1, NEARBY + 1)):
-        too_near = side == sign and abs(found.after - contact) < _least_distance(run, found.after)
+        too_near = side == sign and abs(found.after - contact) < least_distance(
+            run.chain, found.after
+        )
         if too_near or not 0 < contact < run.chain.beads:
             break
         near = _events_at(run, contact)
@@ -223,31 +239,6 @@ def _nearby(
             here = _between(run, (contact, found.after), same[-1], near, far, stop)
             nearby.append(here.reflected_energy)
     return nearby
-
-
-def _least_distance(run: Trajectory, after: int) -> int:
-    """Distance between the two contacts at which waves at one of them pass completely."""
-    return WIDTH if after in (0, run.chain.beads) else 2 * WIDTH
-
-
-def _near_object(run: Trajectory, first: int, second: int) -> str:
-    """Why a wave is longer than the distance from the contacts to what reflects it, or ''."""
-    inside = second not in (0, run.chain.beads)
-    least = _least_distance(run, second)
-    if abs(second - first) < least:
-        return (
-            f"contacts {first} and {second} are {abs(second - first)} apart, but a wave extends "
-            f"over about {WIDTH}: incident and reflected waves overlap there; choose contacts at "
-            f"least {least} apart{f', {WIDTH} on each side of the reflecting object' * inside}"
-        )
-    near = min(second, run.chain.beads - second)
-    if 0 < near < WIDTH:
-        end = 0 if second < WIDTH else run.chain.beads
-        return (
-            f"contact {second} is {near} from the end of the chain, whose reflection meets the "
-            f"waves there; choose one at least {WIDTH} from the end, or the end itself, {end}"
-        )
-    return ""
 
 
 def _events_at(run: Trajectory, contact: int) -> list[WaveEvent]:
@@ -417,9 +408,10 @@ def _on_the_way(run: Trajectory, found: Reflection, *, known: bool) -> str:
 
     If another wave ends the count, weak waves are not mentioned where a larger error is known.
     """
-    if found.stored_energy > MISSING:
+    moving = found.stored_energy - found.separated_energy
+    if moving > MISSING:
         return (
-            f"{found.stored_energy:.0%} of the incident energy is still between the contacts at "
+            f"{moving:.0%} of the incident energy is still between the contacts at "
             f"{_time(found.chain, found.until)}; {_later(found)}"
         )
     if not (known and found.disturbed) and (part := incomplete(run, found)):
@@ -430,6 +422,17 @@ def _on_the_way(run: Trajectory, found: Reflection, *, known: bool) -> str:
             f"{_away(part)}; {_later(found)}"
         )
     return ""
+
+
+def _stays(found: Reflection) -> str:
+    """Which energy does not return, because its beads have separated, or ''."""
+    if found.separated_energy <= MISSING:
+        return ""
+    return (
+        f"{found.separated_energy:.0%} of the incident energy is that of beads that have separated "
+        "and fly away from the free end: it does not return to the contacts, however long the run "
+        "is; to hold the beads, add a wall with chain.replace(right_wall=hc.Wall()), or left_wall"
+    )
 
 
 def _missing_in_waves(found: Reflection) -> str:

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Final
 from ..chain.chain import Chain
 from ..errors import IncompleteWarning, InputWarning, warn_user
 from ..frozen import Compared
-from ..representation import counted, measure
+from ..representation import MAX_WIDTH, counted, measure
 from ..validation.keywords import checked_methods
-from .wave_events import (
-    WaveEvent,
-)
+from .wave_events import WaveEvent
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -25,6 +23,8 @@ WIDE: Final = 5e-3
 # Momentum that may be on its way to a contact, relative to the momentum counted there and, at
 # least, to the incident momentum: slow beads behind a pulse carry some of it for a long time.
 SLOW, LEAST_SLOW = 0.1, 0.02
+# Number of contacts over which a wave extends.
+WIDTH: Final = 5
 
 
 @checked_methods
@@ -63,6 +63,9 @@ class Reflection(Compared):
     stored_energy : float
         The part of ``kept_energy`` that is still there, as motion of the beads and compression of
         the contacts between the two; the rest was lost.
+    separated_energy : float
+        The part of ``stored_energy`` of beads that have separated and fly away from a free end,
+        so that it does not return to one of the contacts.
     missing_momentum : float
         Impulse of the forces at ``before`` or ``after`` (that with the larger part) that no wave
         has, relative to the incident momentum: of forces that do not rise to a maximum, for
@@ -106,6 +109,7 @@ class Reflection(Compared):
     disturbed: bool
     kept_energy: float
     stored_energy: float = 0.0
+    separated_energy: float = 0.0
     missing_momentum: float = 0.0
     entered_energy: float = 0.0
     momentum_on_its_way: tuple[float, float] = (0.0, 0.0)
@@ -243,11 +247,51 @@ class Reflection(Compared):
 
     @property
     def _nearby(self) -> str:
-        """Range of R at neighbouring contacts, if it is wide or does not include that here."""
+        """Range of R at neighbouring contacts, if it is wide or does not include that here.
+
+        Where waves overlap, it is not a range of the coefficient.
+        """
         (low, high), here = self.nearby_energy, self.reflected_energy
-        if not max(high, here) - min(low, here) > WIDE:
+        if self.overlapping or not max(high, here) - min(low, here) > WIDE:
             return ""
         return f" ({low:.4f} to {high:.4f} at neighbouring contacts)"
+
+    @property
+    def overlapping(self) -> bool:
+        """Whether waves overlap at the contacts, which are too near to each other or to the end.
+
+        They should be at least 10 contacts apart, and 5 from a wall or the end; the coefficients
+        are not those of separate waves otherwise.
+        """
+        return bool(self._overlap)
+
+    @property
+    def _overlap(self) -> str:
+        """Why a wave is longer than the distance from the contacts to what reflects it, or ''."""
+        chain, first, second = self.chain, self.before, self.after
+        least, inside = least_distance(chain, second), second not in (0, chain.beads)
+        if abs(second - first) < least:
+            return (
+                f"contacts {first} and {second} are {abs(second - first)} apart, but a wave "
+                f"extends over about {WIDTH}: incident and reflected waves overlap there; choose "
+                f"contacts at least {least} apart"
+                + f", {WIDTH} on each side of the reflecting object"
+                * inside
+            )
+        near = min(second, chain.beads - second)
+        if 0 < near < WIDTH:
+            end, wall = (0, chain.left_wall) if second < WIDTH else (chain.beads, chain.right_wall)
+            return (
+                f"contact {second} is {near} from the end of the chain, whose reflection meets "
+                f"the waves there; choose one at least {WIDTH} from the end"
+                + (f", or that of the wall itself, {end}" if wall else "")
+            )
+        return ""
+
+    @property
+    def _separated(self) -> str:
+        shown = f" ({self.separated_energy:.4f} in beads that have separated)"
+        return shown if self.separated_energy > SHOWN else ""
 
     @property
     def _unexplained(self) -> str:
@@ -265,15 +309,24 @@ class Reflection(Compared):
             ended = f"waves with energy {self.entered_energy:.4f} entered"
         end = measure(self.until, "s", self.chain.units)
         rest = "\n        " if self._nearby else " "  # a range leaves no space for the momentum
+        overlap = "; the waves overlap" if self.overlapping else ""
+        first = f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended},"
+        kept = f"energy kept {self.kept_energy:.4f}{self._separated}{self._unexplained}:"
+        space = " " if len(first) + len(kept) < MAX_WIDTH else "\n        "
         return (
-            f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended}, "
-            f"energy kept {self.kept_energy:.4f}{self._unexplained}:\n"
+            f"{first}{space}{kept}\n"
             f"    reflected energy {self.reflected_energy:.4f}{self._nearby},{rest}"
-            f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')};\n"
+            f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')}"
+            f"{overlap};\n"
             f"    transmitted energy {self.transmitted_energy:.4f}, "
             f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}; "
             f"momentum kept {self.kept_momentum:.4f})"
         )
+
+
+def least_distance(chain: Chain, after: int) -> int:
+    """Distance between the two contacts at which waves at one of them pass completely."""
+    return WIDTH if after in (0, chain.beads) else 2 * WIDTH
 
 
 def _counted_since(begin: float, waves: tuple[WaveEvent, ...]) -> float:

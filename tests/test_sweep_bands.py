@@ -62,10 +62,25 @@ def test_the_band_of_a_narrow_figure_is_in_the_legend_and_includes_the_free_end(
 def test_a_band_does_not_include_missing_points(found):
     part = found.copy(deep=True)
     part.velocity[{"diameter": 1, "seed": slice(0, 3)}] = np.nan
-    with pytest.warns(hc.IncompleteWarning, match="6 of the 72 values of velocity are missing"):
+    with pytest.warns(hc.IncompleteWarning, match="6 of the 72 values of velocity are inc"):
         axes = hc.plot_sweep(part, band="seed")
     expected = np.quantile(found.velocity.sel(approach="simulate").to_numpy()[1, 3:], 0.5)
     assert axes.lines[1].get_ydata()[1] == pytest.approx(expected, rel=1e-12)
+
+
+def test_missing_points_are_counted_as_by_the_status(found):
+    """A point is missing if one of its methods is, also where the band has no value at all."""
+    part = found.copy(deep=True)
+    part.status[{"diameter": 1, "seed": slice(0, 3), "approach": 0}] = 0
+    part.status[{"diameter": 2}] = 0
+    part = part.assign(velocity=part.velocity.where(part.status == 1))
+    for options, said in (
+        ({"band": "seed"}, "of the 36 points to plot, 15 missing: the band does not include them"),
+        ({"diameter": 0.6}, "of the 12 points to plot, 3 missing: left blank"),
+    ):
+        with pytest.warns(hc.IncompleteWarning) as told:
+            hc.plot_sweep(part, **options)
+        assert [str(each.message) for each in told] == [said]
 
 
 def test_bands_require_an_axis_of_the_sweep(found):

@@ -132,13 +132,22 @@ def run(
                 progress=progress,
             )  # fmt: skip
         except KeyboardInterrupt:
-            click.echo(f"finished points are in {target}; run the same command again to resume",
-                       err=True)  # fmt: skip
+            click.echo(_interrupted(target), err=True)
             raise
         except hertzchain.StoreError as error:
             click.echo(f"Error: {error}; run the same command again to resume", err=True)
             return FAILED
     return _show_outcome(SweepStore(target, skip_damaged=skip_damaged), part, as_json)
+
+
+def _interrupted(target: Path) -> str:
+    """Where the finished points of an interrupted sweep are, if there are any."""
+    from ..store.sweep_store import SweepStore
+
+    counts = SweepStore(target, skip_damaged=True).counts() if target.exists() else {}
+    if not counts.get("done", 0) + counts.get("failed", 0):
+        return "no points are finished; run the same command again"
+    return f"finished points are in {target}; run the same command again to resume"
 
 
 @sweep.command()

@@ -69,14 +69,14 @@ def label_of(band: Band | None) -> str:
     return "" if band is None else band.label
 
 
-def warn_missing_in_band(values: xr.DataArray, status: xr.DataArray, band: Band) -> None:
-    """Warn about points without a value, which the band does not include."""
-    without = values.isnull() | (status.broadcast_like(values) != DONE)
-    missing = int((without & ~without.all(band.name)).sum())
-    if missing:
+def warn_incomplete_in_band(values: xr.DataArray, status: xr.DataArray, band: Band) -> None:
+    """Warn about values that finished points do not have, which the band does not include."""
+    absent, done = values.isnull(), status.broadcast_like(values) == DONE
+    incomplete = int((absent & done & ~(absent | ~done).all(band.name)).sum())
+    if incomplete:
         warn_user(
-            f"{missing} of the {counted(values.size, 'value')} of {values.name} are missing, "
-            "failed or incomplete: the band does not include them",
+            f"{incomplete} of the {counted(values.size, 'value')} of {values.name} are incomplete "
+            "or do not exist: the band does not include them",
             IncompleteWarning,
         )
 

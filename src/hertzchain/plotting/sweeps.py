@@ -20,7 +20,7 @@ from .legends import place_legend
 from .reference_slopes import draw_slopes, slopes_from
 from .style import figure_style, get_axes, set_title
 from .sweep_axes import with_scales
-from .sweep_bands import Band, label_of, warn_missing_in_band, with_band, words_of
+from .sweep_bands import Band, label_of, warn_incomplete_in_band, with_band, words_of
 from .sweep_captions import SO_FAR, caption_of, words_of_flags
 from .sweep_checks import (
     check_options,
@@ -175,7 +175,7 @@ def plot_sweep(
     check_options(name, slopes, band, curves=curves)
     check_together(together, curves=curves)
     log, scales = check_scales(log, log_x, log_y, curves=curves)
-    _check_done(dataset, at)
+    _check_done(complete, at, within)
     check_values(together)
     with figure_style():
         axes = get_axes(ax)
@@ -219,7 +219,7 @@ def _band_ends(
         return []
     name = str(drawn.name)
     values, status = _selected_at(complete[name], at), _flags(complete, "status", at)
-    warn_missing_in_band(values, status, within)
+    warn_incomplete_in_band(values, status, within)
     ends = (_selected_at(each[name], at) for each in (within.low, within.high))
     return [in_unit(each.reindex_like(drawn), unit) for each in ends]
 
@@ -327,9 +327,15 @@ def _flagged(
     return flagged
 
 
-def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
-    """Reject a plot of no finished point; warn if points are missing or failed."""
-    status = _flags(dataset, "status", at).to_numpy()
+def _check_done(complete: xr.Dataset, at: Mapping[str, Any], within: Band | None) -> None:
+    """Reject a plot of no finished point; warn if points are missing or failed.
+
+    They are counted as by the command `sweep status`: for at least one of the methods.
+    """
+    status = _flags(complete, "status", at)
+    if "approach" in status.dims:
+        missing_somewhere = (status == MISSING).any("approach")
+        status = status.max("approach").where(~missing_somewhere, MISSING)
     missing, failed = (int((status == value).sum()) for value in (MISSING, FAILED))
     parts = [f"{n} {word}" for n, word in ((missing, "missing"), (failed, "failed")) if n]
     if missing + failed == status.size:
@@ -341,7 +347,8 @@ def _check_done(dataset: xr.Dataset, at: Mapping[str, Any]) -> None:
         )
     if parts:
         warn_user(
-            f"of the {counted(status.size, 'point')} to plot, {' and '.join(parts)}: left blank",
+            f"of the {counted(status.size, 'point')} to plot, {' and '.join(parts)}: "
+            + ("left blank" if within is None else "the band does not include them"),
             IncompleteWarning,
         )
 

@@ -206,7 +206,9 @@ def scatter_from(given: object) -> Scatter | None:
     if given is None or isinstance(given, Scatter):
         return given
     if not isinstance(given, Mapping):
-        raise InputError(f"scatter must be a Scatter, got {short_repr(given)}")
+        raise InputError(
+            f"scatter must be a Scatter, such as Scatter(radius=0.01), got {short_repr(given)}"
+        )
     known = tuple(item.name for item in fields(Scatter))
     for name in given:
         check_choice("attribute of a scatter", name, known)

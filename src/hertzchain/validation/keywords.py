@@ -33,8 +33,23 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("distribution", "relative"): "scatter=Scatter(radius=0.01)",
         ("distribution", "grade"): "scatter=Scatter(grade=100)",
         ("distribution", "beads"): 'scatter=Scatter(..., beads="2:")',
+        ("distribution", "gaps"): 'scatter=Scatter(gaps="5 um")',
+        ("distribution", "speed"): "scatter=Scatter(speed=0.02)",
+        ("Scatter", "relative"): "radius=0.01",
+        ("Scatter", "scatter"): "radius=0.01",
+        ("Scatter", "diameter"): "radius=0.01, which is also the scatter of the diameter",
+        ("with_scatter", "scatter"): "relative=0.01",
+        ("with_scatter", "radius"): "relative=0.01",
+        ("disorder", "relative"): "scatter=0.01",
+        ("disorder", "radius"): "scatter=0.01",
     }
 )
+# Features of a chain, which functions of a chain do not have as arguments, and their fields.
+OF_CHAINS: Final[Mapping[str, str]] = MappingProxyType(
+    {"wall": "right_wall"}
+    | {name: name for name in ("right_wall", "left_wall", "gravity", "precompression", "loss",
+                               "drive")}
+)  # fmt: skip
 MATERIALS: Final = frozenset(("material", "materials"))
 # Other names of fields of a chain, accepted by builders, chain files and sweeps.
 FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType(
@@ -230,6 +245,8 @@ def check_keywords(label: str, given: Iterable[str], known: Iterable[str]) -> No
     if not unknown:
         return
     others = [ELSEWHERE[label, name] for name in unknown if (label, name) in ELSEWHERE]
+    if "chain" in names:
+        others += [f"chain.replace({OF_CHAINS[name]}=...)" for name in unknown if name in OF_CHAINS]
     meant = [_meant(name, names) for name in unknown]
     said = " and no argument ".join(map(repr, unknown))
     found = ", ".join(each for each in meant if each)

@@ -919,6 +919,24 @@ def test_times_with_a_unit(run, tmp_path):
     )
 
 
+def test_a_sweep_that_is_interrupted_states_whether_points_are_finished(run, tmp_path, monkeypatch):
+    file, store = tmp_path / "row.toml", tmp_path / "row.zarr"
+    file.write_text('[chain]\ntaper = "uniform"\n[axes]\nbeads = [5, 6]\n[sweep]\nbatch = 1\n')
+    whole = hertzchain.sweep
+
+    def interrupt(*given, shard=None, **options):
+        whole(*given, shard=shard, **options) if finished else None
+        raise KeyboardInterrupt
+
+    for finished in (False, True):
+        with monkeypatch.context() as patch:
+            patch.setattr(hertzchain, "sweep", interrupt)
+            code, _, err = run("sweep", file, "--store", store)
+        assert code == 130
+        assert ("no points are finished; run the same" in err) != finished
+        assert (f"finished points are in {store}; run the same" in err) == finished
+
+
 def test_sweeps_count_incomplete_peaks(run, tmp_path):
     specification, store = tmp_path / "walls.toml", tmp_path / "walls.zarr"
     specification.write_text(
@@ -1535,7 +1553,8 @@ def test_pulse_by_the_disorder_law(run):
         (options, "--method disorder requires --scatter"),
         (["pulse", "--scatter", "1%"], "hertzchain scatter simulates"),
         ([*options, "--scatter", "0"], "--modulus-scatter above 0"),
-        ([*options, "--scatter", "5%"], "for more, use hertzchain scatter"),
+        ([*options, "--scatter", "5%"], "at most 3%, got '5%'; for more, use hertzchain scatter"),
+        ([*options, "--modulus-scatter", "20%"], "--modulus-scatter .* at most 10%, got '20%'"),
         (["pulse", "--beads", "5", "--method", "disorder", "--scatter", "1%"],
          "use hertzchain scatter"),
         (["pulse", "--quantity", "velocity_spread", "--method", "bca", "--method", "local-rate"],
@@ -1543,7 +1562,11 @@ def test_pulse_by_the_disorder_law(run):
     ):  # fmt: skip
         code, _, err = run(*given)
         assert code == 2
-        assert message in err
+        assert re.search(message, err)
+    code, _, err = run(*options, "--scatter", "1%", "--quantity", "energy")
+    assert code == 0
+    assert "note: the disorder law predicts no spread of the energy" in err
+    assert "--only 2:" in " ".join(run("pulse", "--help")[1].split())
 
 
 @pytest.mark.parametrize(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import click
 
 from ..pulse.quantities import COLUMN_QUANTITIES, ON_REQUEST
 from .chain_options import ChainOptions, chain_options, chains_from
-from .options import Fraction, LateHelp, StrictCommand, figure_option, fraction_from, json_option
+from .options import Fraction, LateHelp, StrictCommand, as_typed, figure_option, json_option
 from .output import save_figure, show_json, show_table
 from .progress import progress_bar
 from .pulse_tables import pulse_table, side_by_side
@@ -84,11 +84,12 @@ def _method_help() -> str:
     "--scatter",
     metavar="NUMBER",
     help="Scatter of the radii for --method disorder, the theory of the mean and spread of random "
-    "chains: relative standard deviation of the diameters (of ln R), such as 1%, at most 3%.",
+    "chains: relative standard deviation of the diameters (of ln R), such as 1%, at most 3%.  All "
+    "beads deviate, bead 1 too; `hertzchain scatter --only 2:` keeps the mass of the projectile.",
 )
 @click.option(
     "--modulus-scatter",
-    type=Fraction(),
+    metavar="NUMBER",
     help="The same for the Young's moduli, at most 10%.",
 )
 @click.option(
@@ -106,7 +107,7 @@ def _method_help() -> str:
 )
 def pulse(
     options: ChainOptions, methods: tuple[str, ...], quantity: str, rtol: float | None,
-    scatter: str | None, modulus_scatter: float | None, every_bead: bool, as_json: bool,
+    scatter: str | None, modulus_scatter: str | None, every_bead: bool, as_json: bool,
     as_csv: bool, plot: Path | None, log: bool | None,
 ) -> None:  # fmt: skip
     """Compute the leading pulse by one or several methods.
@@ -144,7 +145,8 @@ def pulse(
         raise click.UsageError(f"--quantity {quantity} requires --method disorder")
     chains = chains_from(options)
     part = None if scatter is None else _part(scatter, next(iter(chains.values())))
-    settings = _settings(chosen, rtol, part, modulus_scatter)
+    of_moduli = None if modulus_scatter is None else as_typed(modulus_scatter)
+    settings = _settings(chosen, rtol, part, of_moduli)
     if len(chains) > 1 and (as_json or as_csv):
         raise click.UsageError("--json and --csv require one chain FILE")
     # `simulate` supports every chain.
@@ -156,6 +158,7 @@ def pulse(
     if plot is not None or not (as_json or as_csv):
         found = {name: _with_quantity(each, quantity) for name, each in found.items()}
     pulses = [pulse for each in found.values() for pulse in each]
+    _name_without_spread(pulses, quantity)
     if plot is not None:
         save_figure(_plotted(found, quantity, log), plot)
     more = [quantity] if quantity in ON_REQUEST else []
@@ -198,17 +201,18 @@ def _chosen(methods: tuple[str, ...]) -> list[str]:
     ))  # fmt: skip
 
 
-def _part(text: str, chain: Chain) -> float:
-    """A relative scatter; `disorder` checks its limits."""
+def _part(text: str, chain: Chain) -> float | str:
+    """A relative scatter as typed; `disorder` checks it."""
     from ..chain.random_radii import reject_length
 
     reject_length("--scatter", text, chain)
-    return fraction_from("--scatter", text)
+    return as_typed(text)
 
 
 def _settings(
-    methods: list[str], rtol: float | None, scatter: float | None, modulus_scatter: float | None
-) -> dict[str, dict[str, float]]:
+    methods: list[str], rtol: float | None, scatter: float | str | None,
+    modulus_scatter: float | str | None,
+) -> dict[str, dict[str, Any]]:  # fmt: skip
     """Options of each method."""
     from ..sweeps.methods import SIMULATIONS
 
@@ -226,12 +230,15 @@ def _settings(
             "--scatter and --modulus-scatter require --method disorder; hertzchain scatter "
             "simulates random chains"
         )
-    of = {**dict.fromkeys(SIMULATIONS, of_simulations), DISORDER: of_disorder}
+    of: dict[str, dict[str, Any]] = {
+        **dict.fromkeys(SIMULATIONS, of_simulations),
+        DISORDER: of_disorder,
+    }
     return {method: of.get(method, {}) for method in methods}
 
 
 def _all_computed(
-    chain: Chain, progress: Progress | None, settings: dict[str, dict[str, float]],
+    chain: Chain, progress: Progress | None, settings: dict[str, dict[str, Any]],
     optional: set[str],
 ) -> list[Pulse]:  # fmt: skip
     """Pulses by all methods but the optional ones that do not support the chain."""
@@ -244,7 +251,7 @@ def _all_computed(
 
 
 def _computed(
-    method: str, chain: Chain, progress: Progress | None, settings: dict[str, float], *,
+    method: str, chain: Chain, progress: Progress | None, settings: dict[str, Any], *,
     optional: bool = False,
 ) -> Pulse | None:  # fmt: skip
     """The pulse by a method; `None` if an optional one does not support the chain."""
@@ -281,6 +288,18 @@ def _with_quantity(pulses: list[Pulse], quantity: str) -> list[Pulse]:
         click.echo(f"note: {pulse.method} is omitted, as it does not predict the {quantity}",
                    err=True)  # fmt: skip
     return [pulse for pulse in pulses if pulse.column(quantity) is not None]
+
+
+def _name_without_spread(pulses: list[Pulse], quantity: str) -> None:
+    """Note that a pulse has spreads, but none of this quantity, so that figures show no band."""
+    from ..plotting.spreads import spread_of
+
+    own = quantity.endswith(("_spread", "_error"))
+    predicted = [spread_of(each, quantity) for each in pulses if each.velocity_spread is not None]
+    if not own and any(spread is None for spread in predicted):
+        click.echo(f"note: the disorder law predicts no spread of the {quantity}, only those of "
+                   "velocity, arrival and peak_force; hertzchain scatter simulates others",
+                   err=True)  # fmt: skip
 
 
 def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:

@@ -22,10 +22,10 @@ def layers(axes):
     ("chain", "contacts", "left"),
     [
         (ROW.replace(right_wall=hc.Wall()), [], []),
-        (PAD_ON_WALL, [4], [80.0 - 10.0 * PAD]),
+        (PAD_ON_WALL, [4], [80.0]),
         (ROW.replace(right_wall=hc.Wall("1 kN/mm", exponent=1, gap="2 mm")), [4],
-         [82.0 - 10.0 * PAD]),
-        (ROW.replace(left_wall=hc.Wall("1 kN/mm", exponent=1)), [0], [0.0]),
+         [82.0]),
+        (ROW.replace(left_wall=hc.Wall("1 kN/mm", exponent=1)), [0], [-10.0 * PAD]),
         (ROW.with_contacts({2: hc.Pad("1 kN/mm")}), [2], [40.0 - 5.0 * PAD]),
         (ROW.with_cap(mass="5 g", stiffness="1 kN/mm", exponent=1), [4], [80.0 - 5.0 * PAD]),
     ],
@@ -35,6 +35,12 @@ def test_pads_are_drawn_where_they_are(chain, contacts, left):
     axes = hc.plot_chain(chain)
     assert [x for x, _ in layers(axes)] == pytest.approx(left)
     assert all(width == pytest.approx(10.0 * PAD) for _, width in layers(axes))
+    # The hatching of a wall covers no part of its layer.
+    walls = [each for each in axes.collections if each.get_hatch()]
+    for x, width in layers(axes):
+        for wall in walls:
+            begin, end = wall.get_paths()[0].get_extents().intervalx
+            assert min(end, x + width) - max(begin, x) < 1e-9
 
 
 def test_contacts_of_scaled_chains_are_between_touching_beads():

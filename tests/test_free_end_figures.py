@@ -55,6 +55,35 @@ def test_the_legend_has_the_symbols_of_the_free_ends():
     plt.close("all")
 
 
+def test_symbols_of_later_curves_surround_those_of_earlier_ones_at_the_same_end():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    pulses = [hc.propagate(chain), hc.bca(chain), hc.hard_sphere(chain), hc.local_rate(chain)]
+    axes = hc.plot_pulses(pulses)
+    ends = {line.get_marker(): line for line in axes.lines if np.size(line.get_xdata()) == 1}
+    circle, plus, square = (ends[each] for each in "o+s")
+    assert square.get_markersize() > 1.3 * circle.get_markersize()
+    assert square.get_zorder() < circle.get_zorder() < plus.get_zorder()
+    dimers = hc.plot_pulses([hc.propagate(hc.Chain.dimer(m, beads=41)) for m in (0.3, 0.5)])
+    first, second = [line for line in dimers.lines if np.size(line.get_xdata()) == 1]
+    assert first.get_marker() == second.get_marker() == "*"
+    assert second.get_markersize() > 1.3 * first.get_markersize()
+    assert second.get_zorder() < first.get_zorder()
+    plt.close("all")
+
+
+def test_residuals_of_random_chains_have_three_ticks():
+    row = hc.Chain.from_materials(
+        diameters="10 mm", materials="steel-52100", beads=40, velocity=0.3
+    )
+    law = hc.disorder(row, 0.02)
+    for pulses in ([law], [hc.propagate(row), law]):
+        upper = hc.plot_pulses(pulses, residuals=True)
+        lower = upper.figure.axes[1]
+        bottom, top = lower.get_ylim()
+        assert np.sum((lower.get_yticks() > bottom) & (lower.get_yticks() < top)) >= 3
+    plt.close("all")
+
+
 def test_heavy_beads_are_filled_and_light_ones_open():
     axes = hc.plot_pulses([hc.propagate(hc.Chain.dimer(0.5, beads=41))])
     assert entry(axes, "light beads").get_markerfacecolor() == "none"

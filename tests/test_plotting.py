@@ -226,6 +226,30 @@ def test_an_animation_moves(run, tmp_path):
         assert np.any(np.asarray(pictures.convert("RGB")) != first)
 
 
+def test_the_axis_of_an_animation_is_not_at_the_edge_of_the_picture(tmp_path):
+    run = hc.simulate(hc.Chain.uniform(5), until=9.3, times=20)
+    with Image.open(animate(run, tmp_path / "a.gif", frames=2)) as pictures:
+        dark = np.asarray(pictures.convert("L")) < 128
+    columns = np.flatnonzero(dark.any(axis=0))
+    assert columns[0] >= 10
+    assert columns[-1] <= dark.shape[1] - 15
+
+
+def test_panels_for_a_journal_keep_the_names_of_sensors_and_own_titles(run):
+    traces, chain_file = hc.example_experiment()
+    simulated = hc.simulate(hc.load_chain(chain_file), until="600 us", times=601)
+    with hc.figure_style("double column"):
+        figure, (left, middle, right) = plt.subplots(1, 3, figsize=(7.0, 2.3))
+        left.set_title("(a) equal beads", loc="left")
+        run.plot(ax=left)
+        middle.set_title("own")
+        run.plot(ax=middle)
+        simulated.compare(traces).plot("wall", ax=right)
+    assert [left.get_title(), left.get_title("left")] == ["", "(a) equal beads"]
+    assert [middle.get_title(), right.get_title()] == ["own", "wall"]
+    plt.close(figure)
+
+
 def test_notebooks_show_animations(run, tmp_path, monkeypatch):
     file = animate(run, tmp_path / "a&b.gif", frames=2)
     path = tmp_path / "a&b.gif"

@@ -43,6 +43,16 @@ def test_bands_are_between_quantiles(found, name):
     assert "median, 5% to 95% of 12 values" in [each.get_text() for each in axes.get_legend().texts]
 
 
+def test_the_axis_of_beads_begins_at_bead_1():
+    chain = {"taper": "uniform", "beads": 30, "with_scatter": {"relative": "2%", "seed": 1}}
+    found = hc.sweep({"chain": chain, "axes": {"with_scatter.seed": {"linspace": [1, 3, 3]}},
+                      "sweep": {"methods": ["propagate"], "keep": ["velocity"]}})  # fmt: skip
+    axes = hc.plot_sweep(found, band="seed")
+    low, high = axes.get_xlim()
+    assert low < 0.0
+    assert [each for each in axes.get_xticks() if low <= each <= high] == [5, 10, 15, 20, 25, 30]
+
+
 def test_the_band_of_a_narrow_figure_is_in_the_legend_and_includes_the_free_end():
     chain = {"taper": "uniform", "beads": 9, "with_scatter": {"relative": "2%", "seed": 1}}
     seeds = {"with_scatter.seed": {"linspace": [1, 12, 12]}}

@@ -50,6 +50,8 @@ if TYPE_CHECKING:
 KINDS: Final = (".gif", ".mp4")
 # Dots per inch of the frames, which are 8 inches wide.
 RESOLUTION: Final = 100
+# Room at the left and right edges [inches].
+EDGE: Final = 0.2
 # Colour map of velocities, and colour of the marker of the time.
 COLOUR_MAP: Final = "RdBu_r"
 MARKER: Final = COLOURS[2]
@@ -169,6 +171,8 @@ def _frames(
         figure, (top, below) = plt.subplots(
             2, figsize=(8.0, 3.0), dpi=RESOLUTION, height_ratios=(1.4, 1.0)
         )
+        # An axis without a number at its end would reach the edge of the picture.
+        figure.set_layout_engine("constrained", w_pad=EDGE)
         try:
             bodies, left_wall = _draw_beads(top, run, centres, factor)
             marker = _draw_force(below, run, unit, label, sensors)
@@ -279,9 +283,9 @@ def _draw_beads(
         left_wall = _draw_wall(axes, float(edge[0]) - 0.5 * largest, largest)
         ends.append(float(edge.min()) - 0.5 * largest)
     if chain.right_wall is not None:
-        _draw_wall(axes, _right_edge(run, factor), largest)
-        ends.append(_right_edge(run, factor) + 0.5 * largest)
-        _draw_pad(axes, run, factor, largest)
+        begin = _right_edge(run, factor) + _draw_pad(axes, run, factor, largest)
+        _draw_wall(axes, begin, largest)
+        ends.append(begin + 0.5 * largest)
     axes.set_xlim(min(ends) - 0.1 * largest, max(ends) + 0.1 * largest)
     axes.set_ylim(-1.2 * largest, 1.2 * largest)
     axes.set_aspect("equal")
@@ -289,12 +293,14 @@ def _draw_beads(
     return bodies, left_wall
 
 
-def _draw_pad(axes: Axes, run: Run, factor: float, largest: float) -> None:
-    """The layer of a pad, or of a load cell, in front of the right wall."""
-    if run.chain.beads in pad_contacts(run.chain):
-        edge = _right_edge(run, factor) - PAD * largest
-        axes.add_patch(Rectangle((edge, -0.8 * largest), PAD * largest, 1.6 * largest,
-                                 facecolor=PAD_COLOUR, linewidth=0.0, zorder=3))  # fmt: skip
+def _draw_pad(axes: Axes, run: Run, factor: float, largest: float) -> float:
+    """The layer of a pad, or of a load cell, before the right wall; returns its thickness."""
+    if run.chain.beads not in pad_contacts(run.chain):
+        return 0.0
+    thick = PAD * largest
+    axes.add_patch(Rectangle((_right_edge(run, factor), -0.8 * largest), thick, 1.6 * largest,
+                             facecolor=PAD_COLOUR, linewidth=0.0, zorder=3))  # fmt: skip
+    return thick
 
 
 def _draw_wall(axes: Axes, begin: float, largest: float) -> Rectangle:

@@ -81,7 +81,7 @@ def plot_chain(chain: Chain, *, ax: Axes | None = None) -> Axes:
         draw_walls(chain, factor, tall, axes)
         draw_pads(chain, factor, axes)
         axes.set_aspect("equal")
-        axes.set_xlim(-0.7 * largest, length + 0.7 * largest)
+        axes.set_xlim(-0.8 * largest, length + 0.8 * largest)
         axes.set_ylim(-tall, tall)
         mark_strikers(chain, factor, axes)
         axes.set_xlabel(f"position [{unit}]")
@@ -130,15 +130,20 @@ def mark_strikers(chain: Chain, factor: float, axes: Axes) -> None:
 
 
 def draw_walls(chain: Chain, factor: float, tall: float, axes: Axes) -> None:
-    """Draw the walls of a chain; their thickness is half the radius of the largest bead."""
-    thick = 0.5 * factor * half_heights(chain).max()
-    for wall, at, side in (
-        (chain.left_wall, 0.0, -1.0),
-        (chain.right_wall, factor * length_of(chain), 1.0),
+    """Draw the walls of a chain; their thickness is half the radius of the largest bead.
+
+    Those with a pad or a load cell are behind its layer.
+    """
+    largest, layers = factor * half_heights(chain).max(), pad_contacts(chain)
+    thick = 0.5 * largest
+    for wall, contact, at, side in (
+        (chain.left_wall, 0, 0.0, -1.0),
+        (chain.right_wall, chain.beads, factor * length_of(chain), 1.0),
     ):
         if wall is not None:
             # Gaps have units of displacement: in scaled variables they are much smaller than beads.
-            edge = at + side * (factor * wall.gap if chain.units == "SI" else 0.0)
+            gap = factor * wall.gap if chain.units == "SI" else 0.0
+            edge = at + side * (gap + PAD * largest * (contact in layers))
             axes.fill_betweenx([-tall, tall], edge, edge + side * thick, facecolor="#BBBBBB",
                                hatch="///", edgecolor="black", linewidth=0.0, zorder=0)  # fmt: skip
 
@@ -148,8 +153,8 @@ def draw_pads(chain: Chain, factor: float, axes: Axes) -> None:
     largest, places = factor * half_heights(chain).max(), factor * contact_places(chain)
     thick, tall = PAD * largest, 0.8 * largest
     for k in pad_contacts(chain):
-        # A layer in front of a wall does not cover the wall.
-        shift = {0: 0.0, chain.beads: -thick}.get(k, -0.5 * thick)
+        # A layer at a wall covers neither the wall nor the bead, or the cap, before it.
+        shift = {0: -thick, chain.beads: 0.0}.get(k, -0.5 * thick)
         axes.add_patch(Rectangle((places[k] + shift, -tall), thick, 2.0 * tall,
                                  facecolor=PAD_COLOUR, linewidth=0.0, zorder=3))  # fmt: skip
 

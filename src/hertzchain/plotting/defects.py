@@ -9,7 +9,6 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from ..collision import Array
 from ..representation import counted
@@ -19,6 +18,7 @@ from .legends import place_legend
 from .signals import draw_signal, label_signal
 from .style import (
     MARKERS,
+    BeadLocator,
     figure_style,
     get_axes,
     label_log_axis,
@@ -70,7 +70,7 @@ def plot_defect_scans(
                 axes.axhline(level, color=grey(axes), linestyle=style, linewidth=0.9, label=name)
         axes.set_yscale("log")
         label_log_axis(axes.yaxis)
-        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        axes.xaxis.set_major_locator(BeadLocator())
         axes.set_xlabel("number of the ball; a contact is between two balls")
         axes.set_ylabel(r"$\chi^2$ with one defect")
         if legend:

@@ -25,8 +25,11 @@ MOST_SYMBOLS: Final = 3
 DISTANCE: Final = 1.6
 # Free ends that would make an axis of differences longer by this factor are not on it.
 LONGER: Final = 1.5
-# Size of a star, relative to other symbols.
+# Size of a star, relative to other symbols, and growth of those of later curves, which are behind
+# those of earlier ones, up to a largest size.
 STAR: Final = 1.5
+GROWTH, MAX_SIZE = 0.4, 2.0
+FILLED: Final = tuple(each for each in MARKERS if each in Line2D.filled_markers)
 # A symbol of a bead beyond the axis is named this far [points] from the edge.
 EDGE: Final = 2.0
 
@@ -61,10 +64,17 @@ def _symbols(axes: Axes) -> list[Line2D]:
     ]  # fmt: skip
 
 
-def end_style(marker: str) -> dict[str, Any]:
-    """Filled symbol of a free end, as arguments of `Axes.plot`."""
-    size = rcParams["lines.markersize"] * (STAR if marker == END_SYMBOL else 1.0)
-    return {"marker": marker, "linestyle": "none", "markersize": size}
+def end_style(marker: str, symbol: int = 0) -> dict[str, Any]:
+    """Filled symbol of a free end, as arguments of `Axes.plot`; ``symbol`` counts stars from 0.
+
+    At nearly the same value, the filled symbol of a later curve surrounds that of an earlier one.
+    """
+    rank = symbol if marker == END_SYMBOL else FILLED.index(marker) if marker in FILLED else -1
+    size = (STAR if marker == END_SYMBOL else 1.0) * min(1.0 + GROWTH * max(rank, 0), MAX_SIZE)
+    return {
+        "marker": marker, "linestyle": "none", "zorder": 2.5 - 0.01 * rank,
+        "markersize": rcParams["lines.markersize"] * size,
+    }  # fmt: skip
 
 
 def _row(markers: Sequence[str]) -> Path:

@@ -54,6 +54,7 @@ from .style import (
     heighten_panel,
     literal,
     set_title,
+    show_three_ticks,
     shrink_to_height,
 )
 
@@ -296,7 +297,7 @@ def number_of_curves(axes: Axes) -> int:
 def _draw_free_end(axes: Axes, bead: int, value: float, look: Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
     colour = curve_colour(axes, look.colour)
-    axes.plot([bead], [value], color=colour, **end_style(look.end))
+    axes.plot([bead], [value], color=colour, **end_style(look.end, look.symbol))
 
 
 def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[Look]) -> None:
@@ -393,6 +394,8 @@ def _draw_residuals(
                 axes, pulse, quantity, shown, curve_colour(axes, look.colour), free=free
             )
     include_ends(axes, ends, linear=not least)
+    if not least:
+        show_three_ticks(axes)
     if least:
         axes.set_yscale("log")
         # By default, a low panel has two ticks.

@@ -12,7 +12,7 @@ from matplotlib.text import Annotation
 from ..collision import Array
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import COLUMN_QUANTITIES
-from .style import signed
+from .style import show_three_ticks, signed
 
 # Opacity of the band of a spread.
 BAND: Final = 0.25
@@ -62,6 +62,7 @@ def draw_own_spread(axes: Axes, pulse: Pulse, quantity: str, colour: str, *, fre
     difference = np.zeros(len(values))
     draw_spread_of_difference(axes, pulse, quantity, difference, colour, free=free)
     axes.set_ylabel("spread [%]")
+    show_three_ticks(axes)
 
 
 def _draw_band(axes: Axes, low: Array, high: Array, colour: str, *, free: bool) -> None:

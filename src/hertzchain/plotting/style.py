@@ -71,8 +71,9 @@ _titles: weakref.WeakKeyDictionary[Axes, str] = weakref.WeakKeyDictionary()
 def figure_style(width: str | float | None = None) -> AbstractContextManager[None]:
     """Apply hertzchain's Matplotlib style to the figures created inside a ``with`` block.
 
-    With a width, figures have this width, text of 7 or 8 points, and no titles, because a caption
-    describes them; print them without scaling.  Plotting functions of hertzchain that are called
+    With a width, figures have this width, text of 7 or 8 points, and no titles that describe the
+    chain, because a caption does; names of sensors above panels and titles that you set remain.
+    Print them without scaling.  Plotting functions of hertzchain that are called
     inside the block keep these settings, and those that you change inside it with
     ``plt.rc_context`` or ``plt.rcParams``.
 
@@ -195,6 +196,11 @@ def heighten_panel(upper: Axes, lower: Axes) -> None:
     added = HIGHER * upper.bbox.height - lower.bbox.height
     spec.get_gridspec().set_height_ratios((1.0, HIGHER))
     figure.set_figheight(figure.get_figheight() + added / figure.dpi)
+
+
+def show_three_ticks(axes: Axes) -> None:
+    """Have at least three ticks on the linear y axis of a low panel."""
+    axes.yaxis.set_major_locator(MaxNLocator(4, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
 
 
 def shrink_to_height(axes: Axes) -> None:

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
 from ..errors import InputError
 from ..pulse.free_end import jumps_at_end
-from .style import INCHES_PER_LETTER, label_log_axis, literal
+from .style import INCHES_PER_LETTER, BeadLocator, label_log_axis, literal
 from .sweep_labels import axis_label
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ def set_axis(axes: Axes, which: Literal["x", "y"], coordinate: xr.DataArray) -> 
             for label in axis.get_ticklabels():
                 label.set(horizontalalignment="right", rotation_mode="anchor")
     elif values.dtype.kind == "i" and axis.get_scale() == "linear":
-        axis.set_major_locator(MaxNLocator("auto", integer=True, steps=[1, 2, 5, 10]))
+        axis.set_major_locator(BeadLocator(int(values.min())))
 
 
 def show_all_places(axes: Axes, coordinate: xr.DataArray) -> None:

@@ -239,6 +239,16 @@ def test_the_teacher_reads_the_laws_of_loss(change, said):
     assert "loss" not in row.partition(". Loss")[0]
 
 
+def test_the_teacher_reads_that_a_load_cell_inherits_the_loss():
+    lossy = CELL.replace(loss=hc.Restitution(0.95))
+    own = lossy.replace(right_wall=hc.Wall("40 kN/mm", exponent=1, loss=hc.Elastic()))
+    for chain, stated in ((lossy, True), (own, False), (CELL, False)):
+        page = hc.lab_sheet(chain, speeds=[0.05, 0.1]).to_markdown()
+        (row,) = [line for line in page.splitlines() if line.startswith("Row: ")]
+        assert row.endswith("describe the wall with the loss elastic.") == stated
+        assert page.count("has no loss of its own") == stated
+
+
 def test_gaps_do_not_postpone_the_impact():
     """Values of an integration of the row of 14 balls with SciPy, without and with the last gap."""
     row = hc.Chain.from_materials(diameters="16 mm", materials="steel-52100", beads=14)
@@ -491,6 +501,38 @@ def test_static_forces_are_listed_for_sensors_with_ac_coupling():
     assert "AC coupling" not in hc.lab_sheet(CELL, heights=HEIGHTS).to_markdown()
     # The row has a second scale, so that only Hertz's law itself has the exponent 0.6 of h.
     assert "As a function of the height h, with v² = 2gh, Hertz's exponent is 0.6." in page
+
+
+def test_the_sheet_has_a_table(sheet):
+    table = sheet.to_dataframe()
+    assert table.columns.tolist() == ["sensor", "height", "speed", "force", "time"]
+    assert table.attrs["units"] == {
+        "sensor": "", "height": "m", "speed": "m/s", "force": "N", "time": "s",
+    }  # fmt: skip
+    assert len(table) == sheet.forces.size
+    for i, height in enumerate(sheet.heights):
+        for j, place in enumerate(("ball 6", "wall")):
+            (row,) = table[(table.height == height) & (table.sensor == place)].itertuples()
+            assert (row.speed, row.force) == (sheet.speeds[i], sheet.forces[i, j])
+            assert row.time == sheet.times[i, j]
+    speeds = hc.lab_sheet(ROW, sensors=["ball 3"], speeds=[0.05, 0.1]).to_dataframe()
+    assert speeds.columns.tolist() == ["sensor", "speed", "force", "time"]
+    # The integration of SciPy above, at the least and at the largest height.
+    assert " ".join(repr(sheet).split()).endswith(
+        "; 140.0 mm/s: ball 6 35.8 N, wall 79.28 N; 280.1 mm/s: ball 6 82.25 N, wall 170.8 N)"
+    )
+
+
+def test_the_end_of_the_row_has_the_name_load_cell(sheet):
+    named = hc.lab_sheet(CELL, sensors=["ball 6", "load cell"], heights=HEIGHTS)
+    assert named.places == sheet.places
+    assert (named.forces == sheet.forces).all()
+    with pytest.raises(hc.InputError, match="different places"):
+        hc.lab_sheet(CELL, sensors=["load cell", "wall"], heights=HEIGHTS)
+    hard = ROW.replace(right_wall=hc.Wall())
+    for row, name in ((ROW, "last"), (hard, "wall"), (ROW.with_cap("5 g"), "cap")):
+        with pytest.raises(hc.InputError, match=f"has no load cell.* use the sensor '{name}'"):
+            hc.lab_sheet(row, sensors=["load cell"], heights=HEIGHTS)
 
 
 def test_a_notebook_shows_the_predictions(sheet):

@@ -914,11 +914,25 @@ def test_axes_of_pictures_say_what_varies():
     assert [tick.get_text() for tick in across.get_xticklabels()] == kinds
     assert across.get_ylabel() == "coefficient of restitution"
     outside = "all points outside the range of the method or of Hertz's law"
-    assert across.get_title().replace("\n", " ") == f"striker mass = 6 g; {outside}"
+    assert across.get_title().replace("\n", " ") == f"mass of the striker = 6 g; {outside}"
     assert across.collections[0].colorbar.ax.get_ylabel() == "velocity $v_{N}$ [m/s]"
     along = plot_sweep(found, materials="ptfe", coefficient=0.9)
     # A geometric progression over less than a decade has no ticks to read on a logarithmic scale.
-    assert (along.get_xlabel(), along.get_xscale()) == ("striker mass [g]", "linear")
+    assert (along.get_xlabel(), along.get_xscale()) == ("mass of the striker [g]", "linear")
+
+
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(
+    ("strikers", "axis", "label"),
+    [(1, "struck_by.1.velocity", "velocity of the striker [m/s]"),
+     (2, "struck_by.2.velocity", "velocity of striker 2 [m/s]")],
+)  # fmt: skip
+def test_only_several_strikers_have_numbers_in_labels(strikers, axis, label):
+    chain = {"radii": 5e-3, "materials": "steel-316", "beads": 3,
+             "struck_by": [{"velocity": 0.01}] * strikers}  # fmt: skip
+    axes = {axis: {"list": [0.01, 0.02], "unit": "m/s"}}
+    found = swept(chain, axes, methods=["simulate"], at="last", keep=["velocity"])
+    assert plot_sweep(found).get_xlabel() == label
 
 
 def test_spaced_values_are_looked_up_as_they_are_written():

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     "sensors",
     multiple=True,
     metavar="PLACE",
-    help="A bead with a force sensor, such as 'ball 6', or wall; up to four times.  "
+    help="A bead with a force sensor, such as 'ball 6', or wall, or load cell; up to four "
+    "times.  "
     "[default: wall]",
 )
 @click.option(

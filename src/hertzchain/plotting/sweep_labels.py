@@ -78,7 +78,8 @@ def axis_label(coordinate: xr.DataArray) -> str:
 def with_symbols(drawn: xr.DataArray, dataset: xr.Dataset) -> xr.DataArray:
     """Values whose rate of the taper, if it is an axis, has the symbol of this taper."""
     chain = specification_of(dataset).get("chain", {})
-    drawn, taper = _with_ratio(drawn, chain), chain.get("taper")
+    drawn = _with_one_striker(_with_ratio(drawn, chain), chain)
+    taper = chain.get("taper")
     # The taper itself may be an axis, with both symbols.
     if "rate" not in drawn.coords or taper not in TAPERS:
         return drawn
@@ -118,6 +119,20 @@ def _with_ratio(drawn: xr.DataArray, chain: dict[str, Any]) -> xr.DataArray:
     return drawn.assign_coords(ratio=ratio.assign_attrs({**ratio.attrs, "law": law}))
 
 
+def _with_one_striker(drawn: xr.DataArray, chain: dict[str, Any]) -> xr.DataArray:
+    """Values whose axes do not number the striker if there is only one."""
+    strikers, first = chain.get("struck_by"), "struck_by.1."
+    if not isinstance(strikers, list) or len(strikers) != 1:
+        return drawn
+    names = {name: str(each.attrs.get("long_name", "")) for name, each in drawn.coords.items()}
+    return drawn.assign_coords({
+        name: drawn[name].assign_attrs(
+            {**drawn[name].attrs, "long_name": words.replace(first, "struck_by.")}
+        )
+        for name, words in names.items() if words.startswith(first)
+    })  # fmt: skip
+
+
 def reference_of(dataset: xr.Dataset) -> str | None:
     """Name of the method to which errors of a sweep are relative."""
     reference = specification_of(dataset).get("sweep", {}).get("reference")
@@ -143,8 +158,11 @@ def _parameter(coordinate: xr.DataArray) -> str:
         wall = part.removesuffix(".loss").replace("_", " ") if part != "loss" else ""
         place = f" of the {wall}" if wall.endswith("wall") else ""
         return _with_unit(f"{called}{place}", coordinate)
-    plain = words.removeprefix("method.").removeprefix("with_").replace("struck_by", "striker")
+    plain = words.removeprefix("method.").removeprefix("with_")
     parts = [SINGULARS.get(part, part) for part in plain.split(".")]
+    if parts[0] == "struck_by" and len(parts) > 1:
+        which = f"striker {parts[1]}" if len(parts) > 2 else "the striker"
+        parts = [*parts[2 if len(parts) > 2 else 1 :], "of", which]
     if is_place(parts[-1]) and parts[0] in SINGULARS.values():
         several = "s" * ("-" in parts[-1])
         parts.insert(-1, f"of {'contact' if parts[0] == 'gap' else 'bead'}{several}")

@@ -25,6 +25,13 @@ def losses_in_words(chain: Chain) -> str:
     return "; ".join([*between, *others])
 
 
+def inherits_loss(chain: Chain) -> bool:
+    """Whether the contact with a load cell has the law of loss of the row."""
+    wall = chain.right_wall
+    lossy = not isinstance(chain.contact_losses[-1], Elastic)
+    return wall is not None and wall.loss is None and is_load_cell(chain) and lossy
+
+
 def _by_contacts(laws: list[str]) -> list[str]:
     """Each law with its contacts, such as ``elastic in contacts 1 to 4 and 6``."""
     found = []

@@ -16,7 +16,7 @@ from ..representation import listed
 from . import answers
 from .answers import Table
 from .kinds import is_column
-from .losses import losses_in_words
+from .losses import inherits_loss, losses_in_words
 from .row import names, row_in_words
 from .sheet import LabSheet
 from .sketch import sketch
@@ -27,6 +27,10 @@ ON_RATIOS: Final = (
     "lowers forces more, the farther the sensor is from the impact."
 )
 ON_GAPS: Final = " Gaps delay the pulse, most at small speeds, and can lower or raise the forces."
+INHERITED: Final = (
+    "The load cell has no loss of its own, so that its contact has the law of the row: if it is "
+    "elastic, describe the wall with the loss elastic"
+)
 BEYOND: Final = "Beyond this limit, Hertz's law does not hold: use smaller speeds."
 
 
@@ -83,7 +87,8 @@ def _description(chain: Chain) -> str:
     losses = losses_in_words(chain)
     if not losses:
         return chain.description
-    return f"{re.sub(', (mixed losses|loss)(?=,|$)', '', chain.description)}. Loss: {losses}"
+    described = f"{re.sub(', (mixed losses|loss)(?=,|$)', '', chain.description)}. Loss: {losses}"
+    return f"{described}. {INHERITED}" if inherits_loss(chain) else described
 
 
 def _how(sheet: LabSheet) -> str:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -17,17 +18,26 @@ from ..chain.impact_speed import at_impact_speed
 from ..chain.strikers import speed_of_fall
 from ..collision import Array
 from ..errors import InputError, short_repr
-from ..representation import counted, short
+from ..representation import counted, measure, short
 from ..simulation.simulate_many import tabulate_runs
 from ..store.writing import write_bytes
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_bool, check_list, file_path, text
 from .first_pulse import first_on_wall
+from .kinds import is_load_cell
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 WALL: Final = "wall"
 ENDINGS: Final = (".html", ".md")
 LEAST, MOST, MOST_SENSORS = 2, 12, 4
+# Other names of the wall, and units of the columns of a table.
+CELLS: Final = ("load cell", "cell")
+UNITS: Final = MappingProxyType(
+    {"sensor": "", "height": "m", "speed": "m/s", "force": "N", "time": "s"}
+)
 
 
 @checked_methods
@@ -141,9 +151,53 @@ class LabSheet:
 
         return sheet_html(self)
 
+    def to_dataframe(self) -> pd.DataFrame:
+        """Table with one row per speed and sensor.
+
+        Its columns are the sensor, the height [m] if heights were given, the speed [m/s], and the
+        force [N] and time [s] of the first maximum, which are NaN if there is none.
+        ``attrs["units"]`` has the units of the columns.
+
+        Returns
+        -------
+        pandas.DataFrame
+            Sorted by speed.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=5)
+        >>> sheet = hc.lab_sheet(row, sensors=["ball 3"], speeds=["50 mm/s", "0.1 m/s"])
+        >>> sheet.to_dataframe()[["sensor", "speed", "force"]].round(2)
+           sensor  speed  force
+        0  ball 3   0.05   4.04
+        1  ball 3   0.10   9.28
+        """
+        import pandas as pd
+
+        count = len(self.places)
+        columns: dict[str, Any] = {"sensor": self.places * len(self.speeds)}
+        if self.heights is not None:
+            columns["height"] = np.repeat(self.heights, count)
+        columns |= {
+            "speed": np.repeat(self.speeds, count),
+            "force": self.forces.ravel(), "time": self.times.ravel(),
+        }  # fmt: skip
+        table = pd.DataFrame(columns)
+        table.attrs["units"] = {name: UNITS[name] for name in columns}
+        return table
+
     def __repr__(self) -> str:
+        ends = [
+            f"{1e3 * self.speeds[i]:.1f} mm/s: "
+            + ", ".join(
+                f"{place} {measure(force, 'N')}"
+                for place, force in zip(self.places, self.forces[i], strict=True)
+            )
+            for i in (0, -1)
+        ]
         at = counted(len(self.speeds), "speed")
-        return short("LabSheet", self.chain.description, f"sensors {', '.join(self.places)}", at)
+        return short("LabSheet", self.chain.description, at, *ends)
 
 
 @checked_arguments("lab_sheet")
@@ -164,7 +218,8 @@ def lab_sheet(
     chain : Chain
         The row, in SI units, with one striker or moving ball.
     sensors : iterable of int or str
-        Up to four beads with force sensors, such as ``"ball 6"``, and ``"wall"``.
+        Up to four beads with force sensors, such as ``"ball 6"``, and ``"wall"``, or
+        ``"load cell"`` if the wall is a linear spring.
     heights : sequence of float or str, optional
         Heights from which the striker falls [m], or is raised as a pendulum.
     speeds : sequence of float or str, optional
@@ -261,6 +316,18 @@ def _speeds(heights: Any, speeds: Any) -> tuple[Array | None, Array]:
     return np.array(plain), np.array([speed_of_fall("height", each) for each in plain])
 
 
+def _is_wall(chain: Chain, place: Any) -> bool:
+    """Whether a place is the right wall, also by the name of a load cell that ends the row."""
+    name = usual_spelling(place) if isinstance(place, str) else ""
+    if name in CELLS and not is_load_cell(chain):
+        end = WALL if chain.right_wall is not None else "cap" if chain.cap is not None else "last"
+        raise InputError(
+            f"the row has no load cell, that is, a right wall with the exponent 1, for the sensor "
+            f"{short_repr(place)}; use the sensor {end!r}"
+        )
+    return name in (WALL, "right wall", *CELLS)
+
+
 def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
     """Names of the sensors of a chain."""
     given = (
@@ -270,9 +337,9 @@ def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
     )
     if not 1 <= len(given) <= MOST_SENSORS:
         raise InputError(f"sensors must be 1 to {MOST_SENSORS} places, got {len(given)}")
-    found = []
+    found: list[str] = []
     for each in given:
-        if each == WALL:
+        if _is_wall(chain, each):
             if chain.right_wall is None:
                 raise InputError(
                     "the sensor 'wall' needs a right wall: add one, or use the sensor 'last'"

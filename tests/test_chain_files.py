@@ -434,6 +434,8 @@ DEEP = "[" * 3000 + "]" * 3000
          "got '10,5 mm'; write 10.5 mm with a decimal point, or 10 mm, 5 mm for two values$"),
         (SI.replace("5e-3", "['10,5 mm', '5 mm']"),
          "value 1 of radii .* got '10,5 mm'; write 10.5 mm with a decimal point$"),
+        (SI + "velocity = '0,5 m'",
+         "got '0,5 m'; write 0.5 with a decimal point and a unit such as m/s, cm/s, mm/s$"),
         (SI.replace("5e-3", "true"), "radii of .chain. must be a number, .* got True"),
         (U + "radius = true", "radius of .chain. must be a number, .* got True"),
         ('cell = [5e-3]\ncells = "2"\nmaterials = "brass"', "cells .* whole number, got '2'"),

@@ -119,6 +119,7 @@ def test_ways_to_write_powers_and_products():
         ("mm", "gap must be a number, or text with a unit such as '5 mm', got 'mm'"),
         ("0,05", "got '0,05'; write 0.05 with a decimal point$"),
         ("10,5 mm", "got '10,5 mm'; write 10.5 mm with a decimal point$"),
+        ("10,5 m/s", "; write 10.5 with a decimal point and a unit such as m, cm, mm$"),
         ("1,2,3", "got '1,2,3'; write 1.2 with a decimal point$"),
         ("1.234,5 mm", "got '1.234,5 mm'$"),
         ("5 furlong", "unknown unit of gap 'furlong': choose from m, cm, mm"),

@@ -218,11 +218,18 @@ def quantity(text: str) -> tuple[str, str] | None:
     return None if found is None or _is_number(text) else (found[1], found[2])
 
 
-def comma_advice(value: object, *, several: bool = False) -> str:
-    """End of a message about text such as "10,5 mm", which in a list may mean two values."""
+def comma_advice(value: object, *, several: bool = False, si: str = "") -> str:
+    """End of a message about text such as "10,5 mm", which in a list may mean two values.
+
+    A unit of another dimension than that of ``si``, if given, is not repeated.
+    """
     found = _DECIMAL_COMMA.search(value) if isinstance(value, str) else None
     if found is None:
         return ""
+    target = _parse(si) if si else None
+    if found[3] and target is not None and not has_dimension(found[3], si):
+        units = ", ".join(_choices(target)[:3] or (si.replace("**", "^"),))
+        return f"; write {found[1]}.{found[2]} with a decimal point and a unit such as {units}"
     unit = f" {found[3]}" if found[3] else ""
     two = f", or {found[1]}{unit}, {found[2]}{unit} for two values" if several else ""
     return f"; write {found[1]}.{found[2]}{unit} with a decimal point{two}"

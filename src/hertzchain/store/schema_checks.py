@@ -236,7 +236,8 @@ def _problem_of_one(key: Key, value: Any, what: str, *, several: bool = False) -
         with_unit = " or a percentage such as '5%'" if key.fraction else with_unit
         quoted = isinstance(value, str) and value.strip().lower() in ("inf", "infinity")
         hint = "; write inf without quotation marks" if quoted else ""
-        hint = hint or comma_advice(value, several=several)
+        fixed = units and key.dimension != "stiffness" and not key.dimension_if_displacement
+        hint = hint or comma_advice(value, several=several, si=units[0] if fixed else "")
         yield f"{what} must be a number{with_unit}, got {short_repr(value)}{hint}"
 
 

@@ -165,9 +165,8 @@ def number(
     if isinstance(plain, str):
         no_unit = unit in (None, "", SCALED)
         with_unit = "" if no_unit else f", or text with a unit such as '5 {_usual(unit)}'"
-        raise InputError(
-            f"{what} must be a number{with_unit}, got {short_repr(value)}{comma_advice(value)}"
-        )
+        advice = comma_advice(value, si="" if unit in (None, SCALED) else unit)
+        raise InputError(f"{what} must be a number{with_unit}, got {short_repr(value)}{advice}")
     given = plain if type(plain) is float else real_number(what, plain)
     if above < given < below and least <= given <= most and math.isfinite(given):
         return given

@@ -1,6 +1,7 @@
 """The force on the last body of a free end, as a method of a run."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -47,6 +48,26 @@ def test_a_short_run_has_no_peak():
         found = run.body_force()
     assert math.isnan(found.force)
     assert not found.complete
+
+
+def test_representations_have_units_and_the_name_of_the_cap():
+    run = hc.simulate(BOX)
+    found = run.body_force()
+    for card in (f"{found!r}", found._repr_html_()):
+        # Accelerations have no prefix, so that they can be compared with each other.
+        words = card.replace("\N{NO-BREAK SPACE}", " ").replace("\n   ", "")
+        for text in (f"{found.peak:.4g} N", f"{found.acceleration:.4g} m/s^2"):
+            assert text in words
+        assert f"{1e6 * found.duration:.4g} " in words
+    assert "mass 0.1 kg" in repr(found)
+    curves = run._repr_html_().partition("<svg")[0]
+    assert "cap</span>" in curves
+    assert f"bead {run.chain.beads}" not in curves
+    scaled = hc.simulate(hc.Chain.uniform(4)).body_force()
+    assert "m/s" not in repr(scaled) + scaled._repr_html_()
+    fast = replace(found, force=500.0, mass=0.01)
+    assert "acceleration 50000 m/s^2" in repr(fast)
+    assert "50000 m/s^2" in fast._repr_html_().replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_a_wall_has_its_own_method():

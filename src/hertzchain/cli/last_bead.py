@@ -123,10 +123,10 @@ def acceleration_in_words(value: float, units: str) -> str:
 
 def shown_acceleration(value: float, units: str) -> tuple[str, str]:
     """An acceleration, and in SI units its multiple of standard gravity, with four digits."""
+    from ..representation import without_exponent
     from ..units import STANDARD_GRAVITY
 
-    # Without exponents of ten.
-    own, multiple = (f"{float(f'{each:.4g}'):g}" for each in (value, value / STANDARD_GRAVITY))
+    own, multiple = map(without_exponent, (value, value / STANDARD_GRAVITY))
     return (f"{own} m/s^2", multiple) if units == "SI" else (own, "")
 
 

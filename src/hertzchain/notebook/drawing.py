@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
+from ..representation import without_exponent
 
 COLOURS: Final = ("#3d85c6", "#d46a12", "#3a9d6e", "#9b6bc4", "#d2504c", "#8a8a8a")
 WIDTH: Final = 640
@@ -29,6 +30,8 @@ MAX_DOTS: Final = 60
 FEW_POWERS: Final = 2
 # Margins of a chart: left, right, top, bottom.
 MARGINS: Final = (64, 12, 10, 34)
+# No prefix: accelerations are compared with standard gravity.
+ACCELERATION: Final = "m/s^2"
 PREFIXES: Final = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 FONT = "font-family:system-ui,-apple-system,'Segoe UI',sans-serif"
@@ -132,6 +135,8 @@ def engineering(value: float, unit: str, units: str = "SI") -> str:
     """A number with four digits; in SI units with its unit and a prefix."""
     if units != "SI":
         return f"{value:.4g}"
+    if unit == ACCELERATION:
+        return f"{without_exponent(value)} {unit}"
     value, unit = 1e3 ** _kilos(unit) * value, unit.removeprefix("k" * _kilos(unit))
     power = _power_of(abs(value))
     return f"{value / 10.0**power:.4g} {PREFIXES[power]}{unit}"
@@ -141,6 +146,8 @@ def axis_unit(values: Array, unit: str, units: str) -> tuple[float, str]:
     """Factor and unit, in brackets, of the values on an axis."""
     if units != "SI":
         return 1.0, ""
+    if unit == ACCELERATION:
+        return 1.0, f" [{unit}]"
     thousand, unit = 1e3 ** _kilos(unit), unit.removeprefix("k" * _kilos(unit))
     power = _power_of(thousand * float(np.nanmax(np.abs(values), initial=0.0)))
     return thousand * 10.0**-power, f" [{PREFIXES[power]}{unit}]"

@@ -8,8 +8,9 @@ from typing import Final
 
 import numpy as np
 
-from ..chain.bead_names import walls_of
+from ..chain.bead_names import CAP, walls_of
 from ..simulation.body_force import body_force
+from ..simulation.body_peak import BodyForce
 from ..simulation.budget import COLOURS as LOCATION_COLOURS
 from ..simulation.budget import Budget
 from ..simulation.horizon import Horizon
@@ -84,11 +85,37 @@ def _velocities(run: Run) -> tuple[str, str]:
     slow, second = axis_unit(run.times, "s", units)
     fast, speed = axis_unit(run.velocities, "m/s", units)
     curves = [
-        Curve(slow * run.times, fast * run.velocity(int(k)), f"bead {k}", COLOURS[i])
+        Curve(slow * run.times, fast * run.velocity(int(k)), _name(run, int(k)), COLOURS[i])
         for i, k in enumerate(chosen)
     ]
     entries = ((curve.label, curve.colour) for curve in curves)
     return legend(entries), chart(curves, f"time{second}", f"velocity{speed}")
+
+
+def _name(run: Run, bead: int) -> str:
+    """A bead, or the cap behind the row."""
+    return CAP if bead == run.chain.beads and run.chain.cap is not None else f"bead {bead}"
+
+
+def body_force_html(body: BodyForce) -> str:
+    """The largest force on the last body, and its acceleration."""
+    units, so_far = body.units, "" if body.complete else " so far"
+    found = {
+        f"largest force{so_far}": engineering(body.force, "N", units),
+        "its time": engineering(body.time, "s", units),
+        f"acceleration{so_far}": engineering(body.acceleration, "m/s^2", units),
+        "duration": engineering(body.duration, "s", units),
+    }
+    if math.isnan(body.force):
+        found = {"largest force": "none yet"}
+    elif math.isnan(body.duration):
+        found["duration"] = "not known"
+    parts = [numbers(found)]
+    if body.error > SHOWN * abs(body.force):
+        error = engineering(float(f"{body.error:.1e}"), "N", units)
+        parts.append(note(f"The force has an error of at most {error}."))
+    mass = engineering(body.mass, "kg", units)
+    return page("BodyForce", f"last body, mass {mass}", *parts)
 
 
 def budget_html(budget: Budget) -> str:

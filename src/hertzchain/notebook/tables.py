@@ -8,7 +8,7 @@ from ..collision import Array
 from ..pulse.free_end import split_free_ends
 from ..pulse.pulse_table import PulseTable
 from ..pulse.quantities import QUANTITIES
-from ..representation import counted
+from ..representation import counted, without_exponent
 from ..simulation.ensemble_columns import TABLE_QUANTITIES
 from ..simulation.run_table import RunTable
 from .drawing import (
@@ -17,7 +17,6 @@ from .drawing import (
     Mark,
     axis_unit,
     chart,
-    engineering,
     legend,
     note,
     numbers,
@@ -99,6 +98,9 @@ def run_table_html(runs: RunTable) -> str:
 
 
 def _summary(values: Array, unit: str, units: str) -> tuple[str, ...]:
-    found = (values.min(), float(np.median(values)), values.max())
-    own = "" if unit == "1" else unit
-    return tuple(engineering(each, own, units if own else "scaled") for each in found)
+    """Smallest, median and largest value, in one unit."""
+    found = np.array([values.min(), np.median(values), values.max()])
+    factor, shown = axis_unit(found, unit, units if unit != "1" else "scaled")
+    return tuple(
+        f"{without_exponent(factor * each)} {shown.strip(' []')}".strip() for each in found
+    )

@@ -50,22 +50,24 @@ def waves_html(waves: Waves) -> str:
         colour = COLOURS[0 if wave.direction > 0 else 1]
         contacts = np.asarray(wave.contacts, float)[order]
         curves.append(Curve(slow * wave.times[order], contacts, colour=colour))
+    columns = {
+        name: axis_unit(np.array([getattr(wave, name) for wave in shown]), unit, units)
+        for name, unit in (("amplitude", "N"), ("momentum", "N s"), ("energy", "J"))
+    }
     rows = [
         [
             "right" if wave.direction > 0 else "left",
             f"{wave.contacts.min()} to {wave.contacts.max()}",
-            f"{engineering(wave.times.min(), 's', units)} to "
-            f"{engineering(wave.times.max(), 's', units)}",
-            engineering(wave.amplitude, "N", units),
-            engineering(wave.momentum, "N s", units),
-            engineering(wave.energy, "J", units),
+            f"{slow * wave.times.min():.4g} to {slow * wave.times.max():.4g}",
+            *(f"{factor * getattr(wave, name):.4g}" for name, (factor, _) in columns.items()),
         ]
         for wave in shown
     ]
+    heads = [f"{name.replace('amplitude', 'force')}{unit}" for name, (_, unit) in columns.items()]
     parts = [
         legend((("to the right", COLOURS[0]), ("to the left", COLOURS[1]))),
         chart(curves, f"time{second}", "contact"),
-        table(("direction", "contacts", "time", "force", "momentum", "energy"), rows),
+        table(("direction", "contacts", f"time{second}", *heads), rows),
     ]
     if len(waves) > len(shown):
         parts.append(note(f"The {len(shown)} waves of the largest energy, of {len(waves)}."))

@@ -83,5 +83,5 @@ def _from_saved_times(run: Run) -> BodyForce | None:
     return BodyForce(
         2.0 * (sensor.largest_so_far - rest), sensor.largest_so_far_time, end - start,
         float(chain.masses[-1]), 2.0 * sensor.error,
-        sensor.largest_so_far_time != sensor.first_maximum_time,
+        sensor.largest_so_far_time != sensor.first_maximum_time, units=chain.units,
     )  # fmt: skip

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from ..chain.chain import Chain
 from ..errors import IncompleteWarning, InputError, warn_user
-from ..representation import measure
+from ..representation import measure, short, without_exponent
+from .sensor_force import SHOWN
 
 if TYPE_CHECKING:
     from .run import Run
@@ -27,7 +28,7 @@ def body_in_words(chain: Chain) -> str:
     return "the last body" if chain.cap is None else "the cap"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BodyForce:
     """The largest force of the last contact on the body behind it, without the static force.
 
@@ -50,6 +51,8 @@ class BodyForce:
     complete : bool
         Whether no later force can exceed it.  It is false if the run ends before that is known, or
         did not begin with the chain.
+    units : str
+        ``"SI"``, or ``"scaled"``.
     """
 
     force: float
@@ -59,6 +62,7 @@ class BodyForce:
     error: float = 0.0
     later: bool = False
     complete: bool = True
+    units: str = "scaled"
 
     @property
     def acceleration(self) -> float:
@@ -69,6 +73,27 @@ class BodyForce:
     def peak(self) -> float:
         """The largest force if it is complete, otherwise NaN."""
         return self.force if self.complete else math.nan
+
+    def __repr__(self) -> str:
+        about = f"last body, mass {measure(self.mass, 'kg', self.units)}"
+        if math.isnan(self.force):
+            return short("BodyForce", about, "no maximum of the force yet")
+        size, time = measure(self.force, "N", self.units), measure(self.time, "s", self.units)
+        unit = " m/s^2" if self.units == "SI" else ""
+        lasts = measure(self.duration, "s", self.units)
+        facts = [
+            f"largest force{'' if self.complete else ' so far'} {size} at t = {time}",
+            f"acceleration {without_exponent(self.acceleration)}{unit}",
+            "duration not known" if math.isnan(self.duration) else f"duration {lasts}",
+        ]
+        if self.error > SHOWN * abs(self.force):
+            facts.append(f"error of the force at most {measure(self.error, 'N', self.units, 2)}")
+        return short("BodyForce", about, *facts)
+
+    def _repr_html_(self) -> str:
+        from ..notebook.runs import body_force_html
+
+        return body_force_html(self)
 
 
 def body_force_of(self: Run) -> BodyForce:
@@ -107,7 +132,7 @@ def body_force_of(self: Run) -> BodyForce:
     found = body_force(self)
     if found is None:
         found = BodyForce(math.nan, math.nan, math.nan, float(self.chain.masses[-1]),
-                          complete=False)  # fmt: skip
+                          complete=False, units=self.chain.units)  # fmt: skip
     if not found.complete:
         words = "has no maximum yet" if math.isnan(found.force) else "is not complete"
         end = measure(self.end_time, "s", self.chain.units, 6)

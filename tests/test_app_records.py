@@ -55,7 +55,7 @@ def test_a_record_is_aligned_and_scaled_as_by_compare(scope):
     peak, difference = re.fullmatch(r"ball 6: (\S+) N, simulated ([+-]\S+)%", ball).groups()
     assert float(peak) == pytest.approx(arrays["force.6"].max(), rel=0.005)
     assert abs(float(difference)) < 0.5
-    assert wall == "wall in V (1 N is 0.02 V)"
+    assert wall == "wall in V (0.02 V/N)"
     assert [each["place"] for each in measured["curves"]] == ["6", "right"]
     # The measured curves are the simulated ones and noise, at the same times.
     for key, curve, noise in (("0", "6", 0.3), ("1", "right", 0.7)):

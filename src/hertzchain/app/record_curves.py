@@ -91,7 +91,7 @@ def _in_newton(
                           f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]
         values = first + (values - level_of(resolved)) / scale
-        label += f" in V (1 N is {scale:.4g} V)"
+        label += f" in V ({scale:.4g} V/N)"
     else:
         label += _peak(found, signal.name)
     if resolved.coupling == "AC":

@@ -112,7 +112,8 @@ def test_waves_fronts_and_states_have_their_numbers(units):
     last = np.flatnonzero(np.isfinite(leading.momentum))[-1]
     strongest = max(waves, key=lambda wave: wave.energy)
     for item, words in (
-        (waves, ["to the left", engineering(strongest.energy, "J", units),
+        # The unit is in the head of the column.
+        (waves, ["to the left", engineering(strongest.energy, "J", units).partition(" ")[0],
                  f"{strongest.contacts.min()} to {strongest.contacts.max()}"]),
         (flux, ["contact", "to the right"]),
         (leading, [f"crest at contact {last + 1}",

@@ -408,6 +408,44 @@ def test_the_status_is_that_of_the_selected_chain_and_names_it(page):
     assert ends[0] != ends[1]
 
 
+def test_the_dialog_to_share_names_the_chain_of_its_files(page):
+    page.tab = page.new_tab(f"{page.origin}#taper=uniform&beads=5&b.taper=uniform&b.beads=9")
+    for slot, chain in (("A", "5 beads"), ("B", "9 beads")):
+        page.tab.click(f"#tab-{slot}")
+        page.tab.click("#open-share")
+        about = page.tab.text_content("#share-of")
+        assert about.startswith(f"Chain {slot} of A and B: ")
+        assert chain in about
+        assert page.tab.text_content("#share-status") == ""
+        page.tab.keyboard.press("Escape")
+
+
+def test_a_field_that_is_left_without_a_change_requests_nothing(page):
+    rate = page.tab.locator("[id='c-chain.rate']")
+    rate.fill("0.07")
+    page.settle()
+    before = page.tab.evaluate("[hertzchain.answers.length, location.hash]")
+    rate.press("Tab")
+    page.tab.wait_for_timeout(300)
+    assert page.tab.evaluate("[hertzchain.answers.length, location.hash]") == before
+    # The change is one step of the history.
+    page.tab.click("#undo")
+    page.settle()
+    assert page.document() == TAPER
+    assert page.tab.is_disabled("#undo")
+
+
+def test_the_reason_why_there_are_no_theories_is_stated(page):
+    ball = "diameters=12+mm&beads=4&materials=steel-52100&right_wall.rigid=true&velocity=5+m/s"
+    both = "&".join(f"b.{each}" for each in ball.split("&"))
+    page.tab = page.new_tab(f"{page.origin}#{ball}&{both}")
+    assert page.tab.text_content("#notes-count") == "No theory supports a right wall"
+    # Equal warnings of both chains are stated once.
+    warnings = page.tab.locator("#warnings-count, #warnings-list li").all_text_contents()
+    assert warnings
+    assert all("A and B: " in each for each in warnings)
+
+
 def test_axes_do_not_show_rounding_errors(page):
     balls = "first_diameter=20+mm&last_diameter=20+mm&beads=5&materials=steel-52100&gaps=5+um"
     slower = "&".join(f"b.{each}" for each in balls.split("&"))
@@ -1266,6 +1304,7 @@ def test_the_run_can_be_continued_to_the_final_velocities(page, tmp_path):
         page.tab.click("#open-share")
         page.tab.click("[data-export=page]")
     saving.value.save_as(tmp_path / "cradle.html")
+    page.tab.keyboard.press("Escape")
     saved = page.new_tab((tmp_path / "cradle.html").as_uri())
     saved.click("#table-details summary")
     assert column(saved) == (unit, cells)
@@ -1339,6 +1378,9 @@ def test_files_are_saved_and_opened(page, tmp_path):
         return path
 
     chain_file = save("[data-export=toml]")
+    # The dialog remains open for further files.
+    assert page.tab.text_content("#share-status") == "Saved chain.toml."
+    assert page.tab.text_content("#share-of") == chain_of(page.document()).description
     assert hc.load_chain(chain_file).description == chain_of(page.document()).description
     chain_file.write_text('[chain]\ntaper = "uniform"\nbeads = 12\nright_wall = {rigid = true}\n')
     open_file(page, chain_file)
@@ -2054,6 +2096,7 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
             tab.click("[data-export=page]")
         saved = tmp_path / "saved.html"
         download.value.save_as(saved)
+        tab.keyboard.press("Escape")
         tab.click("#record-close")
         page.settle()
         assert tab.locator("#chart-force .measured").count() == 0

@@ -1,17 +1,15 @@
-/** Connect the parts of the page, and ask for the first results. */
+/** Connect the parts of the page and its events, and ask for the first results. */
 
-import { change, compare, moveWall, open, openAs, redo, resize, toggleSensor, undo } from "./changes.js";
 import { clock, eachFrame, goTo, part, play } from "./clock.js";
 import { readColours } from "./colour.js";
-import { $ } from "./fields.js";
-import { listen } from "./events.js";
-import { fixed, stored } from "./host.js";
-import { SLOTS, about, acceptAddress, own, record, results, say, state } from "./page.js";
+import { $, make } from "./fields.js";
+import { fixed } from "./host.js";
+import { SLOTS, about, acceptAddress, own, results, state } from "./page.js";
 import { handleRecords } from "./record.js";
 import { answers, eachAnswer, noteShown, request } from "./requests.js";
 import { fillDialogs } from "./share.js";
-import { activate, changeBy, draw, redraw, repaint, select, showAll, showPart, stages, view } from "./show.js";
-import { copy, toLink } from "./state.js";
+import { activate, compare, draw, open, openAs, redo, redraw, repaint, resize, select, showAll, showPart, stages, toggleSensor, undo, view } from "./show.js";
+import { SELECTS, fromLink } from "./state.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
 
@@ -35,63 +33,110 @@ function arrange() {
   }
 }
 
-function handleEvents() {
-  listen({
-    about, state, view, request: repeat, select, toggleSensor, play: () => play(!clock.playing), goTo, step: (by) => goTo(part() + by),
-    undo, redo, compare, activate, repaint, radiusOf: (bead) => own().beads.arrays.get("radii")[bead - 1], resize,
-    beads: () => own().beads.header?.beads ?? 1,
-    until: (given) => {
-      view({ until: given > 0 && given < Infinity ? given / (own().si ? 1e3 : 1) : 0 });
-      repeat();
-    },
-    redraw,
-    open: (next) => {
-      acceptAddress();
-      open(next);
-    },
+const toggle = () => play(!clock.playing);
+const beads = () => own().beads.header?.beads ?? 1;
+
+function listen() {
+  for (const name of Object.keys(about.quantities)) {
+    if (!about.quantities[name].estimate) $("quantity").append(make("option", { value: name }, name.replaceAll("_", " ")));
+  }
+  for (const [id, name, again] of SELECTS) {
+    $(id).onchange = () => {
+      view({ [name]: $(id).value });
+      if (again) repeat();
+    };
+  }
+  $("speed").onchange = () => view({ speed: Number($("speed").value) });
+  $("log").onchange = () => view({ log: $("log").checked });
+  $("bead").onchange = () => select(Math.max(1, Math.min(beads(), Math.round(Number($("bead").value)) || 1)));
+  $("until").onchange = () => {
+    // Times that cannot be used are not shown any longer, as the run ends by itself.
+    if (!(Number($("until").value) > 0)) $("until").value = "";
+    view({ until: Number($("until").value) / (own().si ? 1e3 : 1) });
+    repeat();
+  };
+  $("sensor").onclick = toggleSensor;
+  $("play").onclick = toggle;
+  $("time").oninput = () => goTo(Number($("time").value) / 1000);
+  $("undo").onclick = undo;
+  $("redo").onclick = redo;
+  $("compare").onclick = compare;
+  for (const slot of SLOTS) $(`tab-${slot}`).onclick = () => activate(slot);
+  $("theme").onclick = () => {
+    const root = document.documentElement, dark = root.dataset.theme ? root.dataset.theme === "dark" : matchMedia("(prefers-color-scheme: dark)").matches;
+    root.dataset.theme = dark ? "light" : "dark";
+    repaint();
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
+  $("table-details").ontoggle = () => redraw("table");
+  const sizes = new ResizeObserver(() => redraw("pulse", "times"));
+  for (const plot of document.querySelectorAll(".plot")) sizes.observe(plot);
+  addEventListener("hashchange", () => {
+    const next = fromLink(location.hash);
+    if (!next) return;
+    acceptAddress();
+    open(next);
   });
+  addEventListener("input", ({ target }) => { if (target) edited.add(target); }, true);
+  addEventListener("change", ({ target }) => { if (target) edited.delete(target); }, true);
+  addEventListener("keydown", keys);
 }
 
-function handleDialogs() {
-  fillDialogs(about, {
-    open: (example, slot) => {
-      const { document, other = null } = copy(example), sensors = example.view.sensors ?? (slot === "B" ? state.view.sensors : []);
-      openAs(slot, document, other, sensors, example.view.until);
-      say(example.look_for);
-    },
-    document: () => state[state.active],
-    request: () => {
-      const other = state.B && state[state.active === "A" ? "B" : "A"];
-      return {
-        slot: state.active, sensors: state.view.sensors, quantity: state.view.quantity, clock: state.view.clock, frames: 320,
-        run_until: state.view.until, record: record.record, until: own().run.header?.peaks.right?.first && !state.view.until ? undefined : own().motion?.times.at(-1), other, view: { view: state.view, B: other, record: { shift: record.shift } },
-      };
-    },
-    say,
-    link: () => (stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state),
-  });
-  handleRecords({
-    changed: (sensors) => {
-      view({ sensors });
-      repeat();
-    },
-    shifted: () => redraw("times"),
-    opened: (document) => openAs(state.active, document, null, state.view.sensors),
-  });
+/** Fields whose text is not complete, in which the browser undoes letters.
+ * @type {WeakSet<EventTarget>} */
+const edited = new WeakSet();
+
+/** @param {KeyboardEvent} event */
+function keys(event) {
+  const target = /** @type {HTMLElement} */ (event.target), typing = target.matches("input:not([type=range]):not([type=checkbox])");
+  if (document.querySelector("dialog[open]")) return;
+  if ((event.ctrlKey || event.metaKey) && !edited.has(target) && event.key.toLowerCase() === "z") {
+    event.preventDefault();
+    if (event.shiftKey) redo();
+    else undo();
+    return;
+  }
+  if (event.ctrlKey || event.metaKey || event.altKey || typing || (target.matches("select") && event.key !== "?")) return;
+  const onStage = target.matches(".lane");
+  if (onStage && /^(Arrow|Home|End)/.test(event.key)) activate(/** @type {any} */ (target.id.slice(-1)));
+  const { bead, camera } = state.view, move = (/** @type {number} */ by) => goTo(part() + by), grow = (/** @type {number} */ factor) => resize(bead, own().beads.arrays.get("radii")[bead - 1] * factor, false);
+  /** @type {Record<string, () => void>} */
+  const actions = {
+    " ": toggle, ",": () => move(-1 / 320), ".": () => move(1 / 320), s: toggleSensor,
+    f: () => view({ camera: camera === "follow" ? "whole" : "follow" }), "?": () => $("help").showModal(),
+    ...(onStage ? {
+      ArrowLeft: () => select(Math.max(1, bead - 1)), ArrowRight: () => select(Math.min(beads(), bead + 1)),
+      Home: () => select(1), End: () => select(beads()),
+      ArrowUp: () => grow(1.05),
+      ArrowDown: () => grow(1 / 1.05),
+    } : {}),
+  };
+  if (event.key === " " && target.matches("button, summary, input")) return;
+  const action = actions[event.key];
+  if (!action) return;
+  event.preventDefault();
+  action();
 }
 
 if (fixed) showSaved();
 narrow.onchange = arrange;
 arrange();
 readColours();
-changeBy({ change, toggleSensor, resize, moveWall });
 eachAnswer(showPart);
 eachFrame(() => {
   draw();
   noteShown();
 });
-handleEvents();
-handleDialogs();
+listen();
+fillDialogs();
+handleRecords({
+  changed: (sensors) => {
+    view({ sensors });
+    repeat();
+  },
+  shifted: () => redraw("times"),
+  opened: (document) => openAs(state.active, document, null, state.view.sensors),
+});
 play(clock.playing);
 showAll();
 repeat();

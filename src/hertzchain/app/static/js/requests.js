@@ -12,7 +12,6 @@ const PATIENCE = 250;
 const BETWEEN_MAPS = 120;
 
 /** @typedef {{number: number, draft: boolean, sent: number, input: number, document: any}} Sent */
-/** @typedef {{part: (part: Part, sent: Sent) => void, offline: (message: string) => void}} Handlers */
 
 let numbers = 0;
 const session = String(Math.random());
@@ -26,10 +25,9 @@ class Link {
   retry = 0;
   lastMap = 0;
 
-  /** @param {string} slot @param {Handlers} on */
-  constructor(slot, on) {
+  /** @param {Slot} slot */
+  constructor(slot) {
     this.slot = slot;
-    this.on = on;
   }
 
   get busy() {
@@ -61,7 +59,7 @@ class Link {
 
   /** @param {Part} part @param {Sent} sent */
   received(part, sent) {
-    this.on.part(part, sent);
+    take(this.slot, part, sent);
     const now = performance.now(), kind = part.header.part;
     if (kind === "run") this.lastMap = now;
     if (kind === "pulse" && sent.draft && this.waiting?.draft && now - this.lastMap < BETWEEN_MAPS) this.send();
@@ -79,7 +77,7 @@ class Link {
     if (this.current !== sent) return;
     this.current = null;
     if (failure) {
-      this.on.offline(failure);
+      say(failure, true);
       if (!offline) return;
       this.waiting ??= request;
       this.retry = setTimeout(() => this.send(), 1500);
@@ -99,9 +97,7 @@ let settle = 0, asked = 0, draft = false, later = 0;
 /** @type {(slot: Slot, kind: string) => void} */
 let received = () => {};
 
-/** @param {Slot} slot */
-const linkOf = (slot) => new Link(slot, { part: (part, sent) => take(slot, part, sent), offline: (text) => say(text, true) });
-const links = { A: linkOf("A"), B: linkOf("B") };
+const links = { A: new Link("A"), B: new Link("B") };
 
 /** Call a function after each part of the results. @param {(slot: Slot, kind: string) => void} shown */
 export function eachAnswer(shown) {

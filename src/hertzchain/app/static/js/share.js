@@ -2,10 +2,10 @@
 
 import { svg } from "./chart.js";
 import { $, make } from "./fields.js";
-import { host } from "./host.js";
-
-/** @typedef {{open: (example: any, slot: "A" | "B") => void, document: () => any, request: () => any,
- *   say: (text: string, bad?: boolean) => void, link: () => string}} Handlers */
+import { host, stored } from "./host.js";
+import { about, own, record, say, state } from "./page.js";
+import { openAs } from "./show.js";
+import { copy, toLink } from "./state.js";
 
 /** Offer a file to save. @param {string} name @param {Blob} blob */
 function offer(name, blob) {
@@ -26,14 +26,30 @@ function picture(radii, moving) {
   return drawing;
 }
 
-/** @param {any} about @param {Handlers} on */
-export function fillDialogs(about, on) {
+/** What the server needs for a file of the chain that the controls change. */
+function request() {
+  const { view } = state, { sensors, quantity, clock, until } = view, slot = state.active, other = state.B && state[slot === "A" ? "B" : "A"];
+  return {
+    document: state[slot], slot, sensors, quantity, clock, frames: 320, run_until: until, record: record.record,
+    until: own().run.header?.peaks.right?.first && !until ? undefined : own().motion?.times.at(-1), other, view: { view, B: other, record: { shift: record.shift } },
+  };
+}
+
+/** Show a message in the dialog, which remains open, and below the page. @param {string} text @param {boolean} [bad] */
+function tell(text, bad = false) {
+  $("share-status").textContent = text;
+  $("share-status").classList.toggle("bad", bad);
+  if (text) say(text, bad);
+}
+
+export function fillDialogs() {
   const examples = $("examples"), share = $("share-dialog");
-  const failed = (/** @type {Error} */ error) => on.say(error.message, true);
   $("gallery").replaceChildren(...about.gallery.map((/** @type {any} */ example) => {
     const choose = (/** @type {"A" | "B"} */ slot) => {
       examples.close();
-      on.open(example, slot);
+      const { document, other = null } = copy(example), sensors = example.view.sensors ?? (slot === "B" ? state.view.sensors : []);
+      openAs(slot, document, other, sensors, example.view.until);
+      say(example.look_for);
     };
     return make("li", { className: "example" }, picture(example.radii, example.moving), make("h3", {}, example.title), make("p", {}, example.look_for),
       make("div", { className: "actions" },
@@ -43,26 +59,29 @@ export function fillDialogs(about, on) {
   for (const [button, dialog] of [["open-examples", examples], ["open-share", share], ["open-help", $("help")]]) {
     $(button).onclick = () => /** @type {any} */ (dialog).showModal();
   }
+  $("open-share").addEventListener("click", () => {
+    const description = own().beads.header?.description ?? "";
+    $("share-of").textContent = state.B ? `Chain ${state.active} of A and B: ${description}. The link, the page and the figure of the leading pulse contain both chains; the other files contain only this one.` : description;
+    tell("");
+  });
   for (const close of document.querySelectorAll("dialog .close")) close.addEventListener("click", () => close.closest("dialog")?.close());
 
   $("copy-link").onclick = async () => {
-    share.close();
     try {
-      await navigator.clipboard.writeText(on.link());
-      on.say("Link copied.");
+      await navigator.clipboard.writeText((stored ? "http://127.0.0.1:8765/" : location.origin + location.pathname) + toLink(state));
+      tell("Link copied.");
     } catch {
-      on.say("Copy the address of the page instead.", true);
+      tell("Copy the address of the page instead.", true);
     }
   };
   for (const button of document.querySelectorAll("[data-export]")) {
     button.addEventListener("click", () => {
       const kind = /** @type {HTMLElement} */ (button).dataset.export;
-      on.say("Preparing the file …");
-      share.close();
-      host.save({ ...on.request(), kind, document: on.document(), figure: $("figure").value, format: $("format").value }).then(({ name, blob }) => {
+      tell("Preparing the file …");
+      host.save({ ...request(), kind, figure: $("figure").value, format: $("format").value }).then(({ name, blob }) => {
         offer(name, blob);
-        on.say(`Saved ${name}.`);
-      }, failed);
+        tell(`Saved ${name}.`);
+      }, (error) => tell(error.message, true));
     });
   }
 }

@@ -1,27 +1,27 @@
-/** The page shows its state: the chains, the views with their common cursor, titles and messages. */
+/** The page shows its state: the chains, the views with their common cursor, titles and messages.
+ * The chains change by controls, by drags, by undo, and when others are opened. */
 
 import { clock, goToTime, part, placeOf, span, wake } from "./clock.js";
 import { KINDS, readColours } from "./colour.js";
 import { Controls } from "./controls.js";
-import { SELECTS } from "./events.js";
 import { $, make } from "./fields.js";
+import { fixed } from "./host.js";
 import { SpaceTime } from "./map.js";
-import { gapOf, plain, prefixed, short, timeAt } from "./numbers.js";
+import { gapOf, inMillimetres, plain, prefixed, short, timeAt } from "./numbers.js";
 import { SLOTS, about, history, keepAddress, other, own, results, say, state } from "./page.js";
 import { showRecord } from "./record.js";
+import { forget, request } from "./requests.js";
+import { Results } from "./results.js";
 import { Stage, around } from "./stage.js";
+import { SELECTS, changed, copy, withRadius } from "./state.js";
 import { Views, showClock, whyBlank } from "./views.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
-/** @typedef {import("./events.js").Part} Part */
-/** Changes of the chains, in `changes.js`.
- * @typedef {{change: (document: any, moving: boolean) => void, toggleSensor: () => void,
- *   resize: (bead: number, radius: number, moving: boolean) => void, moveWall: (gap: number, moving: boolean) => void}} Changes */
+/** @typedef {"pulse" | "times" | "map" | "table"} Part */
 
 const dirty = { pulse: true, times: true, map: true, table: true };
-let changes = /** @type {Changes} */ ({});
 
-export const controls = new Controls($("controls-body"), about, (document, moving) => changes.change(document, moving), () => own().accepted);
+const controls = new Controls($("controls-body"), about, change, () => own().accepted);
 const views = new Views(about, {
   bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
   time: goToTime,
@@ -33,16 +33,11 @@ $("map").ondblclick = () => views.zoom(null);
 /** @param {Slot} slot */
 const stageOf = (slot) => new Stage($(`stage-${slot}`), {
   select: (bead) => { activate(slot); select(bead); },
-  sensor: () => changes.toggleSensor(),
-  resize: (bead, radius, moving) => changes.resize(bead, radius, moving),
-  wall: (gap, moving) => { activate(slot); changes.moveWall(gap, moving); },
+  sensor: toggleSensor,
+  resize,
+  wall: (gap, moving) => { activate(slot); moveWall(gap, moving); },
 });
 export const stages = { A: stageOf("A"), B: stageOf("B") };
-
-/** @param {Changes} given */
-export function changeBy(given) {
-  changes = given;
-}
 
 const dents = (/** @type {string} */ text) => text.includes("pressure / yield");
 const upper = (/** @type {string} */ text) => text.charAt(0).toUpperCase() + text.slice(1);
@@ -66,7 +61,7 @@ export function repaint() {
   redraw("map");
 }
 
-export function showHistory() {
+function showHistory() {
   $("undo").disabled = !history.past.length;
   $("redo").disabled = !history.future.length;
 }
@@ -86,7 +81,7 @@ export function showAll() {
   redraw();
 }
 
-export function showView() {
+function showView() {
   const { view: v } = state;
   for (const [id, name] of SELECTS) $(id).value = v[name];
   const forces = v.map === "forces";
@@ -107,7 +102,7 @@ export function showView() {
 }
 
 /** Ball at the cursor: its number without the strikers. */
-export const ball = () => state.view.bead - stages[state.active].strikers;
+const ball = () => state.view.bead - stages[state.active].strikers;
 /** Bead of a chain at the cursor: the same ball in both. @param {Slot} slot */
 const beadIn = (slot) => Math.max(1, ball() + stages[slot].strikers);
 
@@ -232,7 +227,8 @@ function showTitles() {
       make("i", { className: "ring", style: `color:var(--m${i % KINDS});${i < KINDS ? "" : "border-style:dashed"}` }), header.kinds[n].join(", ")));
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description + difference(slot), ...(header.file ? [make("small", {}, header.file)] : []), ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
-  const beads = own().beads.header?.beads, list = SLOTS.flatMap((slot) => state[slot] ? results[slot].warnings.map((text) => (state.B ? `${slot}: ` : "") + upper(text)) : []);
+  const beads = own().beads.header?.beads, given = SLOTS.filter((slot) => state[slot]);
+  const list = [...new Set(given.flatMap((slot) => results[slot].warnings))].map((text) => (state.B ? `${given.filter((slot) => results[slot].warnings.includes(text)).join(" and ")}: ` : "") + upper(text));
   // Dents change all forces.
   list.sort((one, two) => Number(dents(two)) - Number(dents(one)));
   $("chain-file").textContent = own().beads.header?.chain_file ?? "";
@@ -241,4 +237,97 @@ function showTitles() {
   $("warnings").hidden = !list.length;
   $("warnings-count").textContent = list.length > 1 ? `${list.length} warnings: ${list[0]}` : list.join();
   $("warnings-list").replaceChildren(...list.slice(1).map((text) => make("li", {}, text)));
+}
+
+const MAX_SENSORS = 4;
+
+function snapshot() {
+  return JSON.stringify({ A: state.A, B: state.B, sensors: state.view.sensors });
+}
+
+/** The document of the active chain has changed; if it is the same, nothing is computed again.
+ * @param {any} given @param {boolean} moving */
+function change(given, moving) {
+  const same = JSON.stringify(given) === JSON.stringify(state[state.active]);
+  if (same) history.open &&= moving;
+  else history.note(snapshot(), moving);
+  state[state.active] = given;
+  controls.show(given);
+  if (!same || document.body.dataset.settled !== "yes") request([state.active], moving);
+  showHistory();
+}
+
+/** @param {string | undefined} found */
+function restore(found) {
+  if (found === undefined) return;
+  const { A, B, sensors } = JSON.parse(found);
+  Object.assign(state, { A, B, active: B ? state.active : "A" });
+  state.view.sensors = sensors;
+  showAll();
+  request(SLOTS, false);
+}
+
+export const undo = () => restore(history.undo(snapshot()));
+export const redo = () => restore(history.redo(snapshot()));
+
+export function toggleSensor() {
+  if (fixed) return;
+  const { sensors } = state.view;
+  history.note(snapshot(), false);
+  state.view.sensors = sensors.includes(ball()) ? sensors.filter((each) => each !== ball()) : [...sensors, ball()].slice(-MAX_SENSORS);
+  showView();
+  showHistory();
+  request(SLOTS, false);
+}
+
+/** @param {number} bead @param {number} radius NaN at the end of a drag @param {boolean} moving */
+export function resize(bead, radius, moving) {
+  if (fixed) return;
+  const document = /** @type {any} */ (state[state.active]), si = own().si;
+  if (!Number.isFinite(radius)) {
+    history.open = false;
+    request([state.active], false);
+    return;
+  }
+  if (document.chain.with_scatter) return say("Remove the random scatter to drag radii.", true);
+  if (!si && bead === 1 + own().beads.header.strikers) return say("Bead 1 is the unit of length; change the others, or choose a material.", true);
+  change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving);
+}
+
+/** @param {number} gap @param {boolean} moving */
+function moveWall(gap, moving) {
+  const document = /** @type {any} */ (state[state.active]);
+  if (!own().si) return say("Gaps of a scaled chain are too small to be seen; use the control of the wall.", true);
+  change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving);
+}
+
+export function compare() {
+  history.note(snapshot(), false);
+  if (state.B) Object.assign(state, { A: state[state.active], B: null, active: "A" });
+  else Object.assign(state, { B: copy(state.A), active: "B" });
+  view({ errors: state.B ? "difference" : "theories" });
+  showAll();
+  request(SLOTS, false);
+}
+
+/** Show other chains. @param {Partial<import("./state.js").State>} next */
+export function open(next) {
+  history.note(snapshot(), false);
+  Object.assign(state, next);
+  for (const slot of SLOTS) {
+    if (!(slot in next)) continue;
+    results[slot] = new Results();
+    forget(slot);
+  }
+  controls.last = "";
+  clock.u = 0;
+  showAll();
+  request(SLOTS, false);
+}
+
+/** Open a chain as B, or as A with its own chain B, if any.
+ * @param {Slot} slot @param {any} document @param {any} other @param {number[]} sensors @param {number} [until] */
+export function openAs(slot, document, other, sensors, until = 0) {
+  const view = { ...state.view, sensors, until, range: [], errors: slot === "B" || other ? "difference" : "theories" };
+  open(slot === "B" ? { B: document, active: slot, view } : { A: document, B: other, active: slot, view });
 }

@@ -14,6 +14,10 @@ export const VIEW = {
   hidden: ["hard-sphere", "two-thirds-bca", "modified-bca-printed"],
 };
 
+/** Selects of the page and their choices of the view; another clock needs another run.
+ * @type {[string, keyof View, boolean?][]} */
+export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["force-scale", "forces"], ["errors", "errors"], ["clock", "clock", true]];
+
 /** A copy. @template T @param {T} item @returns {T} */
 export const copy = (item) => structuredClone(item);
 

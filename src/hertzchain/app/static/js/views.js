@@ -143,7 +143,8 @@ export class Views {
     const off = (/** @type {HTMLElement} */ each) => Number(each.getAttribute("aria-pressed") === "false");
     replace($("legend-pulse"), entries.sort((a, b) => off(a) - off(b)));
     const notes = [...reasons].map(([reason, names]) => make("li", {}, make("b", {}, names.join(", ")), `: ${reason}`));
-    $("notes-count").textContent = notes.length ? `${notes.length} note${notes.length > 1 ? "s" : ""} on theories` : "";
+    const missing = new Set([...reasons.keys()].map((reason) => reason.replace(/.* does not support /, ""))), none = missing.size === 1 ? `No theory supports ${[...missing][0]}` : "No theory supports this chain";
+    $("notes-count").textContent = own.theories.every(([, { refusal }]) => refusal) ? none : notes.length ? `${notes.length} note${notes.length > 1 ? "s" : ""} on theories` : "";
     $("notes").hidden = !notes.length;
     replace($("notes-list"), notes);
   }

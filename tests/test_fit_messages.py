@@ -402,11 +402,11 @@ def test_relative_changes_of_a_gap_are_relative_to_its_value():
 
 @pytest.mark.long
 def test_other_loss_laws_are_mentioned_only_if_a_loss_is_fitted(good, run):
-    assert good.summary(width=None).endswith(good.loss_note)
-    assert "others may describe the data equally well: compare_losses compares" in good.loss_note
+    assert good.summary(width=None).endswith(good._loss_note)
+    assert "others may describe the data equally well: compare_losses compares" in good._loss_note
     _, chain_file = hc.example_experiment()
     names = [name for name in good.names if "loss" not in name]
-    assert hc.fit(good.traces, good.chain, free=names).loss_note == ""
+    assert hc.fit(good.traces, good.chain, free=names)._loss_note == ""
     options = ["fit", str(chain_file.parent / "fast.csv"), str(chain_file)]
     assert "--laws all compares them" in run(*options).stdout
     compared = run(*options, "--laws", "viscoelastic,elastic").stdout

@@ -771,7 +771,7 @@ def test_random_starts_reach_the_optimum(traces):
                       factor=np.exp(rng.uniform(-0.25, 0.25)),
                       exponent=1.5)  # fmt: skip
         found = hc.fit(traces, chain, free=NINE, priors=KNOWN)
-        costs.append(found.chi2 + found.penalty)
+        costs.append(found.chi2 + found._penalty)
     assert np.ptp(costs) < 0.01
 
 

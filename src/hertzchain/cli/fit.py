@@ -287,7 +287,7 @@ def _laws(
 def _summary(result: FitResult, laws: str | None) -> list[str]:
     """Lines of the summary, without the advice to compare loss laws if they are compared."""
     lines = result.summary(width=None).splitlines()
-    return lines if laws is None else [line for line in lines if line != result.loss_note]
+    return lines if laws is None else [line for line in lines if line != result._loss_note]
 
 
 def _free(
@@ -345,7 +345,7 @@ def _defects(
                 found[scan.kind], *others[scan.kind] = fits_of_defect(scan, progress=progress)
     if not found:
         return result, scans, [scan.summary(width=None) for scan in scans], found
-    kind = min(found, key=lambda each: found[each].chi2 + found[each].penalty)
+    kind = min(found, key=lambda each: found[each].chi2 + found[each]._penalty)
     best = without_tested(diagnosed(found[kind], {}, fitted), *tested)
     document["fit_with_defect"] = best.as_dict()
     # The errors above are those of the fit with the defect.
@@ -391,7 +391,7 @@ def _other_kind(scan: DefectScan, fit: FitResult | None, best: FitResult) -> str
         return f"{what}, of {scan.names[0]} to {scan.names[-1]}, explains no more than noise would"
     name, other = fit.names[-1], best.names[-1]
     text = f"the best fit with {what} instead, {name}, has chi2 {fit.chi2:.0f}"
-    if fit.chi2 + fit.penalty - best.chi2 - best.penalty < FOUND:
+    if fit.chi2 + fit._penalty - best.chi2 - best._penalty < FOUND:
         return f"not excluded: {text}, and that with {other} {best.chi2:.0f}"
     return f"rejected: {text}, and that with {other} only {best.chi2:.0f}"
 

@@ -81,7 +81,7 @@ def fits_of_defect(
     limit = CLOSE * min(costs) + NOISE
     near = [problem for cost, problem in zip(costs, found, strict=True) if cost <= limit]
     tried = [fitted(each, {str(p): p.start for p in each.model.parameters}, 1) for each in near]
-    return sorted(tried, key=lambda each: each.chi2 + each.penalty)
+    return sorted(tried, key=lambda each: each.chi2 + each._penalty)
 
 
 def _with_mass(scan: DefectScan, problems: Sequence[Problem]) -> list[tuple[float, Problem]]:
@@ -107,8 +107,8 @@ def _with_mass(scan: DefectScan, problems: Sequence[Problem]) -> list[tuple[floa
 
 def not_determined(scan: DefectScan, best: FitResult, others: Sequence[FitResult]) -> list[str]:
     """Sentences on other places that describe the data as well, and on the size of a gap."""
-    name, limit = best.names[-1], best.chi2 + best.penalty + PRESENT
-    near = [each for each in others if each.chi2 + each.penalty < limit]
+    name, limit = best.names[-1], best.chi2 + best._penalty + PRESENT
+    near = [each for each in others if each.chi2 + each._penalty < limit]
     shown = [f"{each.names[-1]} = {each.rows()[-1][1]} (chi2 {each.chi2:.0f})" for each in near]
     lines = [
         f"not excluded: {listed(shown)} instead of {name} (chi2 {best.chi2:.0f}); the data hardly "

@@ -87,7 +87,7 @@ class DefectScan:
     def chi2(self) -> float:
         """Chi-squared of the fit without a defect, in which correlated samples count less."""
         problem = self.result.problem
-        own = self.result.residual_vector[: len(problem.data)]
+        own = self.result._residual_vector[: len(problem.data)]
         return float(own @ own)
 
     @property
@@ -381,9 +381,9 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
         predicted = changed.predicted({**values, name: size})
         found = (predicted - problem.data) / problem.scale
         found[problem.skipped] = 0.0
-        return np.concatenate((found, result.residual_vector[len(found) :]))
+        return np.concatenate((found, result._residual_vector[len(found) :]))
 
-    without = unexplained(result.residual_vector)
+    without = unexplained(result._residual_vector)
     best = (0.0, nominal)
     for direction in (1.0,) if name.key in GAPS else (1.0, -1.0):
         last, rest, worse = nominal, without, 0

@@ -52,7 +52,7 @@ UNITS: Final = (
 
 def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
     """A result with advice if the model does not describe the data, or if they show an effect."""
-    if result.goodness.accepted and not result.implausible:
+    if result.goodness.accepted and not result._implausible:
         return _with_other_columns(result, start, refit) or _with_effect(result, refit)
     if result.goodness.only_noise:
         return result
@@ -95,7 +95,7 @@ def quickly_diagnosed(
 
     These causes are tested before a search for defects, which takes as long as all others.
     """
-    if (result.goodness.accepted and not result.implausible) or result.goodness.only_noise:
+    if (result.goodness.accepted and not result._implausible) or result.goodness.only_noise:
         return diagnosed(result, start, refit), False
     columns, found = _of_columns(result, start, refit)
     if found is not None:

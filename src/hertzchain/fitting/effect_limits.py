@@ -42,7 +42,7 @@ def limited(result: FitResult) -> FitResult:
 
 def _limited(result: FitResult, effect: Effect) -> Effect:
     """An effect with its limit and the shift there; as it is if no limit is found."""
-    weights = remaining_weights(result.problem, result.residual_vector)
+    weights = remaining_weights(result.problem, result._residual_vector)
     inverse = np.linalg.pinv(weights[:, None] * result.jacobian, rcond=1e-12)
     values = result.model.values(result.variables)
     problem = extended(result.problem, values, Name(effect.name))

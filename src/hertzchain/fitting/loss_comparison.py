@@ -307,7 +307,7 @@ def _ranked(fits: Sequence[LossFit]) -> tuple[LossFit, ...]:
     good = [each.result for each in fits if each.result is not None]
     if not good:
         raise SimulationError(f"no law could be fitted; {fits[0].law}: {fits[0].reason}")
-    inflation = min(good, key=lambda each: each.chi2 + each.penalty).goodness.inflation
+    inflation = min(good, key=lambda each: each.chi2 + each._penalty).goodness.inflation
     known = [
         each if each.result is None else replace(each, bic=each.result.bic(inflation))
         for each in fits

@@ -253,7 +253,7 @@ def sample(result: FitResult, steps: int, seed: int, progress: Progress | None) 
         ) from None
     problem = result.problem
     low, high = problem.bounds()
-    weights = remaining_weights(problem, result.residual_vector)
+    weights = remaining_weights(problem, result._residual_vector)
 
     def log_probability(variables: Array) -> float:
         if np.any(variables < low) or np.any(variables > high):

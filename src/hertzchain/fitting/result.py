@@ -97,11 +97,11 @@ class FitResult(Estimates):
     notes: tuple[str, ...]
     simulations: int
     starts: int
-    penalty: float
+    _penalty: float
     problem: Problem = field(repr=False)
     variables: Array = field(repr=False)
     jacobian: Array = field(repr=False)
-    residual_vector: Array = field(repr=False)
+    _residual_vector: Array = field(repr=False)
     advice: tuple[str, ...] = ()
     misread: bool = False
     explained: bool = False
@@ -131,7 +131,7 @@ class FitResult(Estimates):
     @property
     def chi2_per_sample(self) -> dict[str, float]:
         """Mean of the squared residuals over their noise, by sensor; 1 is expected."""
-        return chi2_by_sensor(self.problem, self.residual_vector)
+        return chi2_by_sensor(self.problem, self._residual_vector)
 
     def bic(self, inflation: float | None = None) -> float:
         r"""Bayesian information criterion :math:`\chi^2/s + k \ln(n/s)`, priors included.
@@ -160,7 +160,7 @@ class FitResult(Estimates):
         good = self.goodness
         s = good.inflation if inflation is None else number("inflation", inflation, above=0.0)
         total, chi2 = good.counted + good.skipped, self.chi2 + good.skipped
-        return float(chi2 / s + self.penalty + len(self.names) * np.log(total / s))
+        return float(chi2 / s + self._penalty + len(self.names) * np.log(total / s))
 
     @property
     def describes(self) -> bool:
@@ -182,7 +182,7 @@ class FitResult(Estimates):
     def constants(self) -> tuple[FixedConstant, ...]:
         """Constants of the chain, gains and sampling interval that are taken as exact."""
         return fixed_constants(Optimum(
-            self.problem, self.variables, self.jacobian, self.residual_vector, self.estimates,
+            self.problem, self.variables, self.jacobian, self._residual_vector, self.estimates,
             self.sigmas, self.chains,
         ))  # fmt: skip
 
@@ -240,7 +240,7 @@ class FitResult(Estimates):
         return summary_of(self, width)
 
     @property
-    def loss_note(self) -> str:
+    def _loss_note(self) -> str:
         """A sentence if only one loss law was fitted, and the data do not exclude it."""
         possible = self.goodness.accepted and not self.meaningless
         return ONE_LAW if possible and any("loss." in name for name in self.names) else ""
@@ -285,7 +285,7 @@ class FitResult(Estimates):
         return undetermined(self.model.parameters, self.traces, self.values, self.errors)
 
     @property
-    def implausible(self) -> str:
+    def _implausible(self) -> str:
         """A clause on fitted moduli that no material has; empty without any."""
         parameters, known = self.model.parameters, self.model.values(self.variables)
         return implausible_values(parameters, self.model.chains[0], known)
@@ -293,7 +293,7 @@ class FitResult(Estimates):
     @property
     def meaningless(self) -> bool:
         """Whether values are not given: they are implausible, or of misread data or of noise."""
-        return self.misread or bool(self.implausible) or not self.goodness.explains
+        return self.misread or bool(self._implausible) or not self.goodness.explains
 
     def to_xarray(self) -> xr.Dataset:
         """Labelled dataset: values, errors and correlations over ``parameter``; data and fit.

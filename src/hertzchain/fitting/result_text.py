@@ -37,7 +37,7 @@ def summary_of(result: FitResult, width: int | None) -> str:
     lines.append(result.verdict)
     if len(result.traces.names) > 1 and not result.meaningless:
         lines.append(f"chi2 per sample: {_by_sensor(result)}")
-    lines += [*result.warnings, *([result.loss_note] if result.loss_note else [])]
+    lines += [*result.warnings, *([result._loss_note] if result._loss_note else [])]
     return folded("\n".join(lines), summary_width(width))
 
 
@@ -46,8 +46,8 @@ def verdict_of(result: FitResult) -> str:
     good = result.goodness
     if good.only_noise:
         return f"{good}{good.verdict}"
-    if result.implausible:
-        return f"{good}, but {result.implausible}, so the fit is meaningless"
+    if result._implausible:
+        return f"{good}, but {result._implausible}, so the fit is meaningless"
     if result.misread:
         return f"{good}: columns or times are read wrongly, so the fit is meaningless"
     if not result.converged:

@@ -122,7 +122,7 @@ def better_of(*gaps: RoughGap | None) -> RoughGap | None:
 
 def own_cost(result: FitResult) -> float:
     """The sum of squares of a fit without a gap, with the weights of rough fits."""
-    return float(result.residual_vector @ result.residual_vector)
+    return float(result._residual_vector @ result._residual_vector)
 
 
 def least_size(gap: RoughGap, limit: float) -> float:

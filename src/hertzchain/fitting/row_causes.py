@@ -80,13 +80,13 @@ class Base:
         problem, fitted = Problem(model), self.fit.problem
         residuals = (problem.predicted(values) - fitted.data) / fitted.scale
         residuals[fitted.skipped] = 0.0
-        residuals = np.concatenate((residuals, self.fit.residual_vector[len(residuals) :]))
+        residuals = np.concatenate((residuals, self.fit._residual_vector[len(residuals) :]))
         return np.asarray(residuals - self.jacobian @ (self.inverse @ residuals))
 
     @property
     def own_cost(self) -> float:
         """Chi-squared of the fit itself, without that of the priors."""
-        return float(self.fit.residual_vector @ self.fit.residual_vector)
+        return float(self.fit._residual_vector @ self.fit._residual_vector)
 
     def moved(self, fit: FitResult, ball: int) -> Base:
         """The base from the fit with a defect at a ball, and its neighbours."""

@@ -20,17 +20,17 @@ def gained_by(result: FitResult, groups: Sequence[tuple[Name, ...]]) -> list[flo
     """Reduction of chi-squared by each group of effects of sensors, in the linearised fit."""
     problem, values = result.problem, result.model.values(result.variables)
     # Samples count as if they were not correlated: the residuals of an effect are.
-    weights = np.ones(len(result.residual_vector))
+    weights = np.ones(len(result._residual_vector))
     weights[: len(problem.data)] = problem.correlated**0.5
     jacobian = weights[:, None] * result.jacobian
-    residuals = weights * result.residual_vector
+    residuals = weights * result._residual_vector
     inverse = np.linalg.pinv(jacobian, rcond=1e-12)
     columns: dict[Name, Array] = {}
     found = []
     for names in groups:
         for name in names:
             if name not in columns:
-                own = derivative(problem, values, name, result.residual_vector)
+                own = derivative(problem, values, name, result._residual_vector)
                 columns[name] = weights * own
         block = np.column_stack([columns[name] for name in names])
         rest = block - jacobian @ (inverse @ block)

@@ -37,7 +37,7 @@ class SignalNoise:
 
 def signal_noise_of(result: FitResult) -> SignalNoise | None:
     """Noise of gains or of times, if it explains the residuals."""
-    residuals = data_residuals(result.problem, result.residual_vector)
+    residuals = data_residuals(result.problem, result._residual_vector)
     levels, slopes = _signals_and_slopes(result)
     # The last one is a noise of all samples that is larger than before the pulse.
     factors = levels, slopes, np.ones(len(levels))

@@ -77,7 +77,7 @@ def with_fits_without_priors(result: FitResult, refit: Refit) -> FitResult:
         good = [last] if last is not None else []
     if not good:
         return result
-    good.sort(key=lambda each: each.result.chi2 + each.result.penalty)
+    good.sort(key=lambda each: each.result.chi2 + each.result._penalty)
     own = len(conflict_notes_of(result))
     notes = *result.notes[:own], *(each.note for each in good), *result.notes[own:]
     return replace(result, notes=notes, without_priors=tuple(good))

@@ -91,7 +91,7 @@ def fit_html(result: FitResult) -> str:
         *_figures(result.traces.shots[0], result.predicted[0]),
         table(("parameter", "value"), result.rows()),
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
-        *_notes((result.verdict, *result.warnings, result.loss_note), _names(result)),
+        *_notes((result.verdict, *result.warnings, result._loss_note), _names(result)),
     )  # fmt: skip
 
 

@@ -86,7 +86,7 @@ def plot_fitted_defects(scans: Sequence[DefectScan], fits: Mapping[str, FitResul
     """
     if not fits:
         return cast(Figure, plot_defect_scans(scans).figure)
-    best = min(fits.values(), key=lambda each: each.chi2 + each.penalty)
+    best = min(fits.values(), key=lambda each: each.chi2 + each._penalty)
     width, height = figure_size(6.4, 7.0)
     with figure_style():
         figure, (upper, lower) = plt.subplots(

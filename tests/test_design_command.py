@@ -30,7 +30,6 @@ from hertzchain.designs.exports import chain_text
 from hertzchain.designs.genetic import search
 from hertzchain.designs.measures import parse_measure
 from hertzchain.designs.methods import method_for
-from hertzchain.designs.problem_files import load_design
 from hertzchain.designs.rejections import why_rejected
 from hertzchain.designs.search_budget import budget_from, simulations_within
 from hertzchain.designs.trials import Trials
@@ -73,7 +72,7 @@ def file(tmp_path):
 
 
 def test_a_design_file_describes_the_problem(file):
-    found, options = load_design(file)
+    found, options = hc.load_design(file)
     assert found.identity == problem().identity
     assert options == {"budget": 400, "seed": 2}
 
@@ -237,7 +236,7 @@ def test_the_verification_of_a_front_is_reported_in_a_pipe(file, monkeypatch, ru
 def test_a_dry_run_states_the_search_and_the_given_chain(file, tmp_path, run):
     file.write_text(BALLS.replace('["wall_force.peak", "length"]', '"wall_force.peak"'))
     shown = run(file, "--dry-run", "--budget", "500").stdout.splitlines()
-    chain = load_design(file)[0].chain
+    chain = hc.load_design(file)[0].chain
     peak = hc.simulate(chain, rtol=1e-10).wall_force().peak
     # Two materials and two sizes for up to three places.
     assert shown[0] == "objective: smallest wall_force.peak"
@@ -352,7 +351,7 @@ def test_invalid_files_are_explained(file, old, new, told, monkeypatch):
     monkeypatch.chdir(file.parent)
 
     def search():
-        found, options = load_design(file)
+        found, options = hc.load_design(file)
         hc.design(found, **options)
 
     with pytest.raises(hc.InputError) as error:
@@ -589,7 +588,7 @@ def test_mistakes_in_tables_of_balls_are_explained_in_the_words_of_the_file(tmp_
         f'[design]\nminimise = "velocity@last"\n[[design.vary]]\n{balls}{line}\n'
     )
     with pytest.raises(hc.InputError) as error:
-        load_design(file)
+        hc.load_design(file)
     assert told in str(error.value)
 
 

@@ -8,7 +8,6 @@ import pytest
 import hertzchain as hc
 from hertzchain import InputError
 from hertzchain.designs.balls import load_balls
-from hertzchain.designs.problem_files import load_design
 
 STEEL = "steel-52100"
 
@@ -67,7 +66,7 @@ balls = "bearing-balls"
 materials = "{STEEL}"
 diameters = "4 mm to 6 mm"
 """)
-    problem, _ = load_design(file)
+    problem, _ = hc.load_design(file)
     sizes = sorted({each.diameter for each in problem.vary[0].balls})
     assert np.isclose(sizes[0], 4e-3)
     assert np.isclose(sizes[-1], 6e-3)

@@ -508,6 +508,7 @@ def public_calls(folder):
             baseline=None,
         ),
         "load_chain": tried(hc.load_chain, path=folder / "no.toml"),
+        "load_design": tried(hc.load_design, path=folder / "no.toml"),
         "chain_as_toml": tried(hc.chain_as_toml, chain=chain),
         "chain_from_toml": tried(hc.chain_from_toml, text=hc.chain_as_toml(chain), folder=folder),
         "load_state": tried(hc.load_state, path=state, chain=walled),
@@ -634,7 +635,7 @@ def test_every_public_function_is_called(every_call):
 
 def test_valid_arguments_are_accepted(every_call):
     for name, (function, good) in every_call.items():
-        if not name.startswith(("load_chain", "load_drive", "FitResult.sample", "warm_up")):
+        if not name.startswith(("load_chain", "load_d", "FitResult.sample", "warm_up")):
             expected = pytest.raises(hc.InputError) if name in NO_RESTITUTION else nullcontext()
             with expected:
                 function(**good)

@@ -86,9 +86,7 @@ def test_the_row_is_a_key_of_a_design_file(tmp_path):
         '[[design.vary]]\nballs = "bearing-balls"\nmaterials = ["steel-52100", "ptfe"]\n'
         'start = ["2 x 4 mm steel-52100", "4.7625 mm ptfe"]\n'
     )
-    from hertzchain.designs.problem_files import load_design
-
-    problem, _ = load_design(file)
+    problem, _ = hc.load_design(file)
     chain = problem.space.chain_of(problem.space.start)
     assert [2e3 * radius for radius in chain.radii] == pytest.approx([6, 4, 4, 4.7625])
     assert [each.name for each in chain.materials[1:]] == ["steel-52100", "steel-52100", "ptfe"]

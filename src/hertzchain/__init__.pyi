@@ -40,6 +40,7 @@ from .designs.design import design as design
 from .designs.distribution import Distribution as Distribution
 from .designs.distribution import distribution as distribution
 from .designs.problem import Design as Design
+from .designs.problem_files import load_design as load_design
 from .designs.result import DesignResult as DesignResult
 from .designs.scatter import Scatter as Scatter
 from .errors import DamageWarning as DamageWarning

@@ -83,11 +83,11 @@ def design(
     import hertzchain
 
     from ..designs.limits_if_yielding import met_if_yielding
-    from ..designs.problem_files import load_design
+    from ..designs.problem_files import read_design
     from .chain_changes import law_from
 
     check_writable(out, "--out", (".toml", ".csv"))
-    problem, options = load_design(
+    problem, options = read_design(
         file, None if loss is None else lambda chain: chain.replace(loss=law_from(loss, chain))
     )
     given = {"budget": budget, "method": method, "seed": seed}

@@ -35,6 +35,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, errors_at, short_repr, similar_names, unknown_name_error
 from ..store.chain_files import chain_from
 from ..store.toml_files import read_toml
+from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import file_path, shown_path
 from . import vary as variables
@@ -58,7 +59,59 @@ SIZES: Final = ("radii", "diameters", "masses", "gaps")
 KINDS: Final = (*SIZES, "balls", "order")
 
 
-def load_design(
+@checked_arguments("load_design")
+def load_design(path: str | os.PathLike[str]) -> tuple[Design, dict[str, Any]]:
+    """Read a design file: a chain file with a table ``[design]``, as of ``hertzchain design``.
+
+    Parameters
+    ----------
+    path : path-like
+        The TOML file.  Other files that it names are relative to its folder.
+
+    Returns
+    -------
+    problem : Design
+        The chain, the objective, the variables and the constraints.
+    options : dict
+        Those of the keys ``budget``, ``method``, ``seed`` and ``points`` that the file has, which
+        are arguments of `design`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has no tables ``[chain]``, ``[design]`` or ``[[design.vary]]``,
+        or if a key is unknown or a value out of range.
+
+    Examples
+    --------
+    >>> import hertzchain as hc
+    >>> from pathlib import Path
+    >>> import tempfile
+    >>> text = '''
+    ... [chain]
+    ... diameters = "10 mm"
+    ... materials = "steel-304"
+    ... beads = 5
+    ... [design]
+    ... maximise = "velocity@last"
+    ... budget = 200
+    ... [[design.vary]]
+    ... diameters = ["5 mm", "15 mm"]
+    ... beads = "2:"
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "problem.toml"
+    ...     _ = file.write_text(text)
+    ...     problem, options = hc.load_design(file)
+    >>> options
+    {'budget': 200}
+    >>> hc.design(problem, **options).met
+    True
+    """
+    return read_design(path)
+
+
+def read_design(
     path: str | os.PathLike[str], change: Callable[[Chain], Chain] | None = None
 ) -> tuple[Design, dict[str, Any]]:
     """Read the problem of a design file, with a change of its chain, and the options."""

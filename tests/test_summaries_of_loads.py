@@ -53,3 +53,22 @@ def test_zero_requires_no_unit_and_other_numbers_of_options_do(run):
     code, _, err = run(*row, "--speed", "0")
     assert code == 2
     assert "is not struck" in err
+
+
+def test_the_force_on_a_wall_is_stated_with_its_static_part(run, tmp_path):
+    row = hc.Chain.from_materials(
+        diameters="10 mm", materials="steel-52100", beads=4, velocity="0.05 m/s",
+        right_wall=hc.Wall(), precompression="20 N", held_by="force",
+    )  # fmt: skip
+    for force, stated in ((20.0, True), (0.0, False)):
+        chain = row.replace(precompression=force)
+        (tmp_path / "row.toml").write_text(hc.chain_as_toml(chain))
+        _, out, _ = run("simulate", tmp_path / "row.toml", "--until", "0.2 ms")
+        assert (" (with the static force of 20 N); " in out) == stated
+        assert ("N s in the whole run with the static force" in out) == stated
+
+
+def test_masses_of_strikers_are_in_grams():
+    row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=4)
+    for mass, said in (("0.15 kg", "1 striker (mass 150 g)"), (1.5, "1 striker (mass 1.5 kg)")):
+        assert said in row.struck_by(mass=mass, radius="flat", velocity=0.1).description

@@ -133,7 +133,7 @@ def odd_bead(
     if materials and materials[i] != usual_material:
         words.append(materials[i])
     if masses is not None and masses[i] != usual_mass:
-        mass = _distinct(masses[i], usual_mass) if scaled else measure(float(masses[i]), "kg")
+        mass = _distinct(masses[i], usual_mass) if scaled else mass_in_words(float(masses[i]))
         words.append(f"{'and ' * bool(words)}mass {mass}")
     return OddBead(
         f"except {noun} {i + 1} ({' '.join(words)})", usual_radius, usual_material, usual_mass
@@ -287,7 +287,10 @@ def _size_of_strikers(count: int, radii: Array, masses: Array | None, units: str
     if masses is None and units == "SI":
         return sizes_in_words(radii[:count])
     name, unit = ("radius", "m") if masses is None else ("mass", "kg")
-    ends = dict.fromkeys(measure(each, unit, units) for each in (sizes[0], sizes[count - 1]))
+    ends = dict.fromkeys(
+        mass_in_words(each) if units == "SI" and masses is not None else measure(each, unit, units)
+        for each in (sizes[0], sizes[count - 1])
+    )
     return f"{name} {' to '.join(ends)}"
 
 

@@ -306,13 +306,16 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
 
     if not wall.reached:
         return f"{wall.side} wall: the pulse has not arrived"
+    static = measure(wall.static_force, "N", wall.units)
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
+    with_static = " with the static force" if wall.static_force else ""
+    largest += f" ({with_static.strip()} of {static})" if with_static else ""
     impulse = measure(wall.impulse, "N s", wall.units)
     # Static forces never let go of the wall.
     closed = run._closed[0 if wall.side == "left" else -1]
     during = closed and not run.chain.static_state.forces.any()
     ends = ", which ends during a contact" if during else ""
-    whole = f"{impulse} in the whole run{ends}"
+    whole = f"{impulse} in the whole run{with_static}{ends}"
     # If the horizon is known, the time of the force is marked if it is later.
     caution = "" if run.known_horizon or not wall._caution else f"; {wall._caution}"
     caution = on_command_line(caution)
@@ -331,7 +334,6 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
     of_impact = measure(wall.excess_impulse, "N s", wall.units)
-    static = measure(wall.static_force, "N", wall.units)
     above = f" above the static force of {static}" if wall.static_force else ""
     parts = [f"{of_impact} in the impact{above} ({wall._contacts})"]
     if wall.first_contact_impulse is not None and wall.touches > 1:

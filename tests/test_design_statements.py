@@ -124,3 +124,57 @@ def test_rows_of_equal_balls_are_named_by_the_places_that_vary():
         assert list(reference_points(problem)) == [name]
         if beads == "2:4":
             assert f"best {name} (of 2 tried), 3 balls of " in hc.design(problem).summary()
+
+
+@pytest.mark.parametrize(("wall", "velocity", "said"), [
+    ("aluminium", 0.2, "; aluminium of the right wall yields, not a ball: choose a harder wall"),
+    ("steel-52100", 1.0, "; give a larger budget or another seed"),
+])  # fmt: skip
+def test_a_wall_that_yields_is_named_instead_of_a_larger_budget(wall, velocity, said):
+    row = hc.Chain.from_materials(
+        "5 mm", "steel-52100", beads=4, velocity=velocity, right_wall=hc.Wall.of(wall)
+    )
+    problem = hc.Design(
+        row, minimise="wall_force.peak", vary=[hc.vary.radii("4 mm", "6 mm", beads="2:")],
+        subject_to={"yield_ratio": "<= 1"},
+    )  # fmt: skip
+    first, *_ = hc.design(problem, budget=90).summary().splitlines()
+    assert said in first
+    assert ("budget" in first) == (wall == "steel-52100")
+
+
+@pytest.mark.parametrize("struck", [False, True])
+def test_the_summary_states_number_length_and_mass_of_all_balls(struck):
+    row = hc.Chain.from_materials(
+        "5 mm", "steel-52100", beads=3, velocity="0.01 m/s", right_wall=hc.Wall.of("steel-52100")
+    )
+    if struck:
+        row = row.replace(velocities=None).struck_by(mass="50 g", radius="flat", velocity="1 mm/s")
+    balls = hc.vary.balls(materials=["steel-52100"], diameters=["4 mm", "6 mm"], beads="2:3")
+    found = hc.design(hc.Design(row, minimise="wall_force.peak", vary=[balls]))
+    own = found.chain.radii[struck:]
+    mass = 1e3 * found.chain.masses[struck:].sum()
+    where = "without the striker" if struck else "with the arriving ball"
+    line = f"in all, {where}: 3 beads, length {2e3 * own.sum():.4g} mm, mass {mass:.4g} g"
+    assert line in found.summary().splitlines()
+
+
+def test_a_front_names_the_numbers_of_beads_that_it_does_not_have():
+    row = hc.Chain.from_materials(
+        "5 mm", "steel-52100", beads=21, velocity="0.01 m/s", right_wall=hc.Wall.of("steel-52100")
+    )
+    balls = hc.vary.balls(
+        materials=["steel-52100"], diameters=["8 mm", "10 mm"], beads="2:", optional=True
+    )
+    problem = hc.Design(row, minimise=["wall_force.peak", "beads"], vary=[balls])
+    found = hc.design(problem, budget=80, seed=1)
+    there = {int(each.values["beads"]) for each in found.front}
+    (note,) = [each for each in found.notes if "has no rows of" in each]
+    ranges, _ = note.removeprefix("the Pareto front has no rows of ").split(" beads (")
+    named = [each.split(" to ") for each in ranges.replace(" and ", ", ").split(", ")]
+    absent = {n for first, *last in named for n in range(int(first), int([first, *last][-1]) + 1)}
+    assert absent == {*range(2, 22)} - there
+    assert absent
+    # All rows of up to three balls are simulated.
+    complete = dataclasses.replace(problem, chain=row[:4].replace(right_wall=row.right_wall))
+    assert not any("has no rows" in each for each in hc.design(complete, budget=100).notes)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -11,7 +12,9 @@ import numpy as np
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..kernels.compile_notice import write_current
+from ..representation import listed
 from ..simulation.slow_run import INTERVAL
+from .ball_space import BallSpace
 from .ball_tapers import geometric_reference
 from .dominance import undominated
 from .front_search import search_front
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
     from .problem import Design
     from .result import DesignResult
 
+BEADS: Final = "beads"
 Finish = Callable[[Trials, Found, tuple[str, ...]], "DesignResult"]
 
 
@@ -58,6 +62,7 @@ def design_front(
             more = min(len(front), MAX_POINTS)
             notes = [f"{len(shown)} of the {len(front)} points of the Pareto front are shown, in "
                      f"about equal steps of {second}; points = {more} shows more"]  # fmt: skip
+        notes += _absent_lengths(trials, front)
         found = _verified_points(trials, best.method, [each for each, _ in shown], finish)
     kept = _front(found, problem)
     return dataclasses.replace(
@@ -116,6 +121,33 @@ def _of_all_trials(trials: Trials) -> list[tuple[Outcome, float]]:
     measured = ((o.sign, trials.position[o.measures[0]]) for o in trials.problem.objectives)
     costs = np.column_stack([[s * each.values[p] for each in good] for s, p in measured])
     return [(good[i], float(costs[i, 1])) for i in undominated(costs)]
+
+
+def _absent_lengths(trials: Trials, front: list[tuple[Outcome, float]]) -> list[str]:
+    """Numbers of beads that no row of the front has, unless all rows were simulated."""
+    problem, space = trials.problem, trials.problem.space
+    beads = next((o for o in problem.objectives if str(o.single) == BEADS and o.sign > 0.0), None)
+    if beads is None or not isinstance(space, BallSpace) or not front:
+        return []
+    assert trials.memory is not None
+    at = trials.position[beads.measures[0]]
+    known = Counter(int(values[at]) for _, values in trials.memory.values())
+    balls = space.chain._balls
+    fixed = balls.stop - balls.start - space.size
+    most = space.size if space.limits is None else min(space.size, sum(space.limits))
+    there = {int(outcome.values[at]) for outcome, _ in front}
+    absent = [n for n in range(fixed + space.least, fixed + most + 1) if n not in there]
+    if not absent or trials.runs >= space.count:
+        return []
+    ranges: list[str] = []
+    for group in np.split(absent, np.flatnonzero(np.diff(absent) > 1) + 1):
+        few = len(group) < 3
+        ranges += map(str, group) if few else [f"{group[0]} to {group[-1]}"]
+    tried = sorted(known[n] for n in absent)
+    count = f"{tried[0]}" if tried[0] == tried[-1] else f"{tried[0]} to {tried[-1]}"
+    count += f" of {'this number' if len(absent) == 1 else 'each number'} simulated"
+    return [f"the Pareto front has no rows of {listed(ranges)} beads ({count}), "
+            "because shorter ones are better; a larger budget may find such rows"]  # fmt: skip
 
 
 def _spread(front: list[tuple[Outcome, float]], points: int) -> list[tuple[Outcome, float]]:

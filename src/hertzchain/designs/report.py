@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan
+from math import isfinite, isnan
 from typing import TYPE_CHECKING, Final
 
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
@@ -71,6 +71,7 @@ def summary(result: DesignResult) -> str:
     if result.problem.discrete and result.chain.materials is not None:
         lines.append(f"order: {order_in_words(result)}")
     lines += sizes_in_lines(result)
+    lines += _totals(result)
     if result.optima:
         lines.append("local optima:")
         lines += [f"  {_point(result, i)}" for i in range(len(result.optima))]
@@ -172,6 +173,19 @@ def _counted(result: DesignResult, each: Measure) -> str:
     return " with the arriving ball" if _arrives(result) else ""
 
 
+def _totals(result: DesignResult) -> list[str]:
+    """Number of beads, length and mass."""
+    chain = result.chain
+    if not isfinite(result.value):
+        return []
+    beads, *others = (Measure(key) for key in ("beads", "length", "mass"))
+    shown = [in_words(each.from_chain(chain, 0.0), each.unit, chain.units) for each in others]
+    count = counted(int(beads.from_chain(chain, 0.0)), "bead")
+    counted_ones = _counted(result, beads)
+    where = f",{counted_ones}" if counted_ones else ""
+    return [f"in all{where}: {count}, length {shown[0]}, mass {shown[1]}"]
+
+
 def _arrives(result: DesignResult) -> bool:
     """Whether the first ball arrives, and is not among those that vary."""
     space, chain = result.problem.space, result.chain
@@ -251,11 +265,26 @@ def _closest(result: DesignResult, value: str) -> str:
 
 def _more_trials(result: DesignResult) -> str:
     """Advice if no trial meets the constraints, unless all choices were tried."""
+    if wall := _yielding_wall(result):
+        return f"; {wall}: choose a harder wall or a smaller velocity, or relax yield_ratio"
     choices = _choices(result)
     if choices is not None and choices[0] >= choices[1]:
         return ""
     begin = ", begin with a row that meets them (start)" if choices is not None else ""
     return f"; give a larger budget or another seed{begin}, or relax a limit"
+
+
+def _yielding_wall(result: DesignResult) -> str:
+    """A statement that the limit of yield fails at a wall of a softer material than its ball."""
+    limits, chain = result.verified.hertz_range, result.chain
+    if limits is None or violated(result.problem, result.values) != ["yield_ratio"]:
+        return ""
+    at = limits._most_loaded
+    wall = {0: chain.left_wall, chain.beads: chain.right_wall}.get(at)
+    if wall is None or wall.material is None or wall.material.name != limits.yielding[at]:
+        return ""
+    side = "left" if at == 0 else "right"
+    return f"{wall.material.name} of the {side} wall yields, not a ball"
 
 
 def _better_if_yielding(result: DesignResult) -> list[str]:

@@ -523,6 +523,22 @@ def test_the_sheet_has_a_table(sheet):
     )
 
 
+def test_a_cradle_may_have_several_strikers():
+    balls = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=5)
+    cradle = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=3)
+    cradle = cradle.struck_by(velocity=0.1).struck_by(velocity=0.1)
+    found = hc.lab_sheet(cradle, sensors=["ball 1", "last"], heights=HEIGHTS[:2])
+    # The same five balls, of which the first two move.
+    for speed, force in zip(found.speeds, found.forces, strict=True):
+        run = hc.simulate(balls.replace(velocities=[speed, speed, 0, 0, 0]), times=4001)
+        forces = [run.sensor_force(bead).first_maximum for bead in (3, 5)]
+        assert force == pytest.approx(forces, rel=1e-4)
+    page = found.to_markdown()
+    assert "so that they touch each other and arrive at the speed v" in page
+    assert "Force sensors are in ball 1 and the last ball." in page
+    assert "ball 1 to last ball [m/s]" in page
+
+
 def test_the_end_of_the_row_has_the_name_load_cell(sheet):
     named = hc.lab_sheet(CELL, sensors=["ball 6", "load cell"], heights=HEIGHTS)
     assert named.places == sheet.places

@@ -99,7 +99,8 @@ def travel(sheet: LabSheet) -> Table | None:
     ]
     if not pairs:
         return None
-    heads = ("v [mm/s]", *(f"{sheet.places[i]} to {sheet.places[j]} [m/s]" for i, j, _ in pairs))
+    called = names(sheet)
+    heads = ("v [mm/s]", *(f"{called[i]} to {called[j]} [m/s]" for i, j, _ in pairs))
     rows = tuple(
         (f"{1e3 * speed:.1f}",
          *(f"{abs(distance / (times[j] - times[i])):#.4g}".rstrip(".") for i, j, distance in pairs))

@@ -17,7 +17,7 @@ from . import answers
 from .answers import Table
 from .kinds import is_column
 from .losses import inherits_loss, losses_in_words
-from .row import names, row_in_words
+from .row import names, place_in_words, row_in_words
 from .sheet import LabSheet
 from .sketch import sketch
 
@@ -93,14 +93,17 @@ def _description(chain: Chain) -> str:
 
 def _how(sheet: LabSheet) -> str:
     striker = "striker" if sheet.chain.strikers else "first ball"
+    they = "it arrives"
+    if sheet.chain.strikers > 1:
+        striker, they = "strikers", "they touch each other and arrive"
     if is_column(sheet.chain) and sheet.heights is not None:
         return (f"Let the {striker} fall onto the column from the heights h of the table, so that "
-                "it arrives at the speed v with v² = 2gh. A rebound may strike the column again: "
+                f"{they} at the speed v with v² = 2gh. A rebound may strike the column again: "
                 "only the first pulse counts.")  # fmt: skip
     if sheet.heights is None:
         return f"Let the {striker} hit the row at the speeds v of the table."
     return (f"Let the {striker} fall or swing from the heights h of the "
-            "table, so that it arrives at the speed v with v² = 2gh. A ball that rolls is "
+            f"table, so that {they} at the speed v with v² = 2gh. A ball that rolls is "
             "slower: measure its speed, for example with a light barrier.")  # fmt: skip
 
 
@@ -168,7 +171,8 @@ def _tasks(sheet: LabSheet) -> list[str]:
 
 def _on_speed(sheet: LabSheet) -> str:
     """The question about the speed of the pulse, which needs two balls with sensors."""
-    balls = [sheet.places[j] for j in answers.balls_with_sensors(sheet)]
+    balls = [place_in_words(sheet.chain, sheet.places[j])
+             for j in answers.balls_with_sensors(sheet)]  # fmt: skip
     if len(balls) < 2:
         return ""
     between = "them" if len(balls) == len(sheet.places) else listed(balls)

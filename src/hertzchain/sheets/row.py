@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..chain.bead_names import bead_number
+from ..chain.bead_names import LAST, bead_number
 from ..chain.chain import Chain
 from ..chain.description import (
     diameter_in_words,
@@ -31,12 +31,12 @@ def row_in_words(sheet: LabSheet) -> str:
 
 
 def place_in_words(chain: Chain, place: str) -> str:
-    """The place of a sensor: ``ball 5``, ``the cap``, ``the load cell`` or ``the wall``."""
+    """The place of a sensor: ``ball 5``, ``the cap``, ``the wall`` and so on."""
     if place == WALL:
         return "the load cell" if is_load_cell(chain) else "the wall"
     if chain.cap is not None and bead_number(chain, place) == chain.beads:
         return "the cap"
-    return place
+    return "the last ball" if place == LAST else place
 
 
 def names(sheet: LabSheet) -> list[str]:

@@ -12,7 +12,7 @@ from scipy.signal import find_peaks
 
 import hertzchain as hc
 from hertzchain.plotting.colours import COLOURS
-from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis
+from hertzchain.plotting.style import MARKERS, BeadLocator, figure_style, label_log_axis
 
 # Laws with a restitution of 0.95 in two steel balls of 10 mm that meet at 0.3 m/s.
 EQUIVALENT: Final = {
@@ -228,6 +228,7 @@ def dimer_pulses() -> Figure:
                        markersize=3.5, label=f"mass ratio {ratio:.4g}")  # fmt: skip
         right.set_ylim(0.0, None)
         right.set_xlabel("bead $k$, heavy beads only")
+        right.xaxis.set_major_locator(BeadLocator())
         right.set_ylabel("velocity $v_k$")
         right.legend(loc="lower left")
     return canvas

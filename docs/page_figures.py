@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import hertzchain as hc
 from hertzchain.plotting.chains import draw_beads, material_legend, scale_bar
 from hertzchain.plotting.colours import COLOURS
-from hertzchain.plotting.style import figure_style, label_log_axis
+from hertzchain.plotting.style import BeadLocator, figure_style, label_log_axis
 from hertzchain.theory import long_wave_velocity, sen_manciu_velocity
 
 
@@ -82,6 +82,7 @@ def teaching() -> Figure:
                 marker=marker, markersize=3.5, linewidth=0.7, label=f"ball {ball}",
             )  # fmt: skip
         left.set_xlabel("impact")
+        left.xaxis.set_major_locator(BeadLocator())
         left.set_ylabel("velocity [mm/s]")
         left.legend(ncols=2)
         for gap, label, colour, dashes in (
@@ -163,6 +164,7 @@ def many_chains() -> Figure:
         left.legend()
         right.bar(np.arange(2, 41), gradient[1:], color=COLOURS[1])
         right.set_xlabel("bead $j$, from 2")
+        right.xaxis.set_major_locator(BeadLocator())
         right.set_ylabel(r"$\partial\ln F_{30} / \partial\ln R_j$")
     return canvas
 

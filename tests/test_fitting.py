@@ -612,6 +612,15 @@ def assert_printed(scan, begin, size):
     assert float(lines[9].split("at most ")[1]) == pytest.approx(largest[5], rel=6e-3)
     assert lines[-1] == f"{scan.best} explains more than noise would (a chi2 lower by 20)"
     assert max(map(len, lines)) <= 100
+    second, first = np.argsort(scan.improvements)[-2:]
+    improvements = scan.improvements.copy()
+    improvements[[second, first]] = 950.0, 1000.0
+    near = dataclasses.replace(scan, improvements=np.minimum(improvements, 1000.0 * (
+        np.isin(np.arange(len(improvements)), (first, second)))))  # fmt: skip
+    assert near.nearly == (scan.names[second],)
+    assert f"uncertain: {scan.names[second]} explains nearly as much" in str(near)
+    assert f"{scan.names[second]} explains nearly as much" in " ".join(repr(near).split())
+    assert "nearly as much" in near._repr_html_()
 
 
 def assert_the_best_gap_is_marked(scan):

@@ -1,5 +1,6 @@
 """Whether the largest force on a wall is complete, and how runs therefore end."""
 
+import json
 import math
 import re
 import warnings
@@ -826,7 +827,8 @@ def test_the_impulse_of_an_impact_excludes_that_of_the_static_force(run, tmp_pat
     assert wall.excess_impulse == pytest.approx(excess, rel=1e-3)
     duration = excess / (wall.force.max() - weight)
     assert wall.duration == pytest.approx(duration, rel=1e-3)
-    table = hc.simulate_many([column], keep=["wall_duration"], until=found.end_time)
+    # Its steps differ, and with them the time at which the impact ends.
+    table = hc.simulate_many([column], keep=["wall_duration"], until=1.5 * found.end_time)
     assert table["wall_duration"][0] == pytest.approx(duration, rel=1e-3)
     with pytest.raises(hc.InputError, match="no gradient under a static force"):
         hc.gradient(column, "wall_force.duration", until=found.end_time)
@@ -835,6 +837,11 @@ def test_the_impulse_of_an_impact_excludes_that_of_the_static_force(run, tmp_pat
     assert f"in the impact above the static force of {weight:.4g} N" in out
     assert "the end of the impact depends on the steps" in out
     assert wall.step_dependent
+    shown = json.loads(run("simulate", tmp_path / "column.toml", "--json")[1])
+    assert [each["step_dependent"] for each in shown["walls"]] == [True]
+    shown = json.loads(run("simulate", "--beads", "5", "--wall", "same", "--json")[1])
+    assert [each["step_dependent"] for each in shown["walls"]] == [False]
+    assert "The end of the impact depends on the steps." in wall._repr_html_()
     assert "(its end depends on the steps)" in " ".join(repr(wall).split())
 
 

@@ -288,7 +288,8 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     found = {name: value for name, value in public.items() if name not in arrays}
     found["reached"] = force.reached
     if isinstance(force, WallForce):
-        found |= {"duration": force.duration, "excess_impulse": force.excess_impulse}
+        names = ("duration", "excess_impulse", "step_dependent")
+        found |= {name: getattr(force, name) for name in names}
     else:
         with ignore_warnings():  # passages that are not resolved have few samples
             found["passages"] = [

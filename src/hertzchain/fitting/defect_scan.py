@@ -46,6 +46,8 @@ WORDS: Final = {
 }
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
+# Defects are nearly as good as the best one if they explain this fraction of its part.
+NEARLY: Final = 0.9
 # Sizes agree worse if the sum of squares is larger than at the size before, and than this multiple
 # of that without a defect; no larger size is tried after this number in succession.
 WORSE, MAX_WORSE = 1.1, 2
@@ -112,6 +114,15 @@ class DefectScan:
         return float(self.improvements.max()) > FOUND
 
     @property
+    def nearly(self) -> tuple[str, ...]:
+        """Names of other defects that explain at least 90% of the part of the best one."""
+        if not self.found:
+            return ()
+        order = np.argsort(-self.improvements, kind="stable")[1:]
+        least = NEARLY * float(self.improvements.max())
+        return tuple(self.names[i] for i in order if self.improvements[i] >= least)
+
+    @property
     def changes(self) -> Array:
         """Estimated gaps [m], or relative changes of radii or stiffnesses."""
         return self.sizes if self.kind == "gap" else self.sizes / self._nominal - 1.0
@@ -159,6 +170,8 @@ class DefectScan:
             lines.append(f"  {counted(rest, f'other {place}')}: at most "
                          f"{_rounded(np.sort(self.improvements)[-SHOWN - 1])}")  # fmt: skip
         if self.found:
+            if self._rivals:
+                lines.append(f"the place is uncertain: {self._rivals}; fit() tries them")
             lines.append(f"{self.best} explains more than noise would (a chi2 lower by {FOUND:g})")
         else:
             lines.append(f"no {self.kind} explains more than noise would (a chi2 lower by "
@@ -170,6 +183,14 @@ class DefectScan:
         """Numbers of the balls, without the striker; for a contact, the mean of its two."""
         first = 1 if self.kind == "bead" else 1.5 - self.result.chain.strikers
         return first + np.arange(len(self.names))
+
+    @property
+    def _rivals(self) -> str:
+        """Such as ``radius[6] explains nearly as much``, or ''."""
+        if not self.nearly:
+            return ""
+        more = f" and {len(self.nearly) - 1} more" if len(self.nearly) > 1 else ""
+        return f"{self.nearly[0]}{more} {'explain' if more else 'explains'} nearly as much"
 
     def _size_text(self, i: int) -> str:
         """Size of a defect, such as ``"0.4 um"`` or ``"+3%"``."""
@@ -262,6 +283,8 @@ class DefectScan:
         size, lowers = self._size_text(i), f"lowers chi2 by {self.improvements[i]:.0f}"
         text = f"{self.best} {change} {size} {lowers}"
         other = f"the next by {rest:.0f}; call fit()"
+        if self._rivals:
+            other = f"{self._rivals}; call fit()"
         if not self.found:
             text, other = f"no {self.kind} explains more than noise would", ""
         return short("DefectScan", self.kind, text, other)

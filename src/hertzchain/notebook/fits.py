@@ -127,7 +127,7 @@ def defect_scan_html(scan: DefectScan) -> str:
     curve = Curve(place, np.maximum(scan.improvements, 0.0), scan.kind)
     shown = {"largest at": scan.best, "reduction of chi2": f"{scan.improvements.max():.4g}",
              "chi2 of the fit": f"{scan.chi2:.4g}"}  # fmt: skip
-    text = "" if scan.found else f"no {scan.kind} explains more than noise would"
+    text = scan._rivals if scan.found else f"no {scan.kind} explains more than noise would"
     return page(
         "DefectScan", scan.kind,
         chart([curve], f"{scan.kind}, from {scan.names[0]} to {scan.names[-1]}",

@@ -186,6 +186,8 @@ def wall_force_html(wall: WallForce) -> str:
         f"contacts with the wall {'in the impact' if ended else 'so far'}": f"{wall.touches}",
     }  # fmt: skip
     parts.append(numbers({name: value for name, value in found.items() if value}))
+    if wall.step_dependent:
+        parts.append(note("The end of the impact depends on the steps."))
     if not complete:
         parts.append(note(f"The run ended too early: {wall.reason}."))
     else:

@@ -906,7 +906,7 @@ def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
     )
     assert tab.get_attribute("#sensor", "aria-pressed") == "true"
     # Chains have the same letters, and differences the same sign, whichever chain is chosen.
-    for slot, other in (("A", "B"), ("B", "A")):
+    for slot in "AB":
         tab.click(f"#tab-{slot}")
         tab.wait_for_selector("#sensor[aria-pressed=true]")
         words = tab.get_attribute("#chart-error svg", "aria-label").replace("\N{MINUS SIGN}", "-")
@@ -916,10 +916,10 @@ def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
         )
         assert float(re.search(r"end ([-.\d]+)", words)[1]) == pytest.approx(changes[-1], rel=1e-3)
         curves = tab.locator("#legend-pulse button").all_inner_texts()
-        assert curves[:2] == [f"{slot}, simulation", f"{other}, simulation"]
+        assert curves[:2] == ["A, simulation", "B, simulation"]
         assert all(each.startswith(f"{slot}, ") for each in curves[2:])
         forces = tab.locator("#legend-force .key").all_inner_texts()
-        assert [each[:3] for each in forces] == [f"{slot}, ", f"{other}, "]
+        assert [each[:3] for each in forces] == ["A, ", "B, "]
         for heading in ("#h-map", "#h-budget", "#table-details h2"):
             assert tab.text_content(heading).endswith(f", chain {slot}")
     assert tab.input_value("#bead") == "4"
@@ -928,6 +928,29 @@ def test_both_chains_have_sensors_and_values_at_the_same_balls(page):
     tab.select_option("#clock", "time")
     page.settle()
     assert "sensor in bead 5 (ball 3)" in tab.text_content("#legend-force")
+
+
+def test_an_arrow_points_to_a_selected_bead_outside_of_the_view(page):
+    tab = page.tab
+    tab.select_option("#camera", "follow")
+    tab.evaluate("""() => {
+        hertzchain.written = [];
+        const fill = CanvasRenderingContext2D.prototype.fillText;
+        CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+          if (text.includes("bead ")) hertzchain.written.push(text);
+          fill.call(this, text, ...place);
+        };
+    }""")  # fmt: skip
+    for place, bead, label in ((0, 2, "bead 2"), (0, 18, "bead 18 →"), (1, 2, "← bead 2")):
+        tab.fill("#bead", str(bead))
+        tab.press("#bead", "Tab")
+        tab.evaluate("""(place) => {
+            const slider = document.getElementById("time");
+            slider.value = place ? slider.max : slider.min;
+            slider.dispatchEvent(new Event("input", { bubbles: true }));
+        }""", place)  # fmt: skip
+        tab.evaluate(NEXT_FRAME)
+        assert tab.evaluate("hertzchain.written.at(-1)") == label
 
 
 HAMMER = """

@@ -362,9 +362,11 @@ export class Stage {
     pen.fillStyle = COLOURS.accent;
     pen.font = "600 12px system-ui, sans-serif";
     const face = this.faces[this.bead - 1], [factor, unit] = prefixed(2 * face, "m");
-    const size = this.si ? `${short(2 * face * factor)} ${unit}` : `radius ${short(face)}`, text = `bead ${this.bead}${this.drag?.moved ? `, ${size}` : ""}`;
+    const size = this.si ? `${short(2 * face * factor)} ${unit}` : `radius ${short(face)}`, name = `bead ${this.bead}${this.drag?.moved ? `, ${size}` : ""}`;
+    // An arrow points to a bead outside of the view.
+    const before = x + r < 0, text = before ? `← ${name}` : x - r > W ? `${name} →` : name;
     const half = pen.measureText(text).width / 2 + 7, at = Math.max(half, Math.min(W - half, x));
-    const below = this.sensors.includes(this.bead - this.strikers) ? 24 : 15, base = Math.min(H - 3, y + Math.max(h, 4) + below);
+    const below = text !== name || this.sensors.includes(this.bead - this.strikers) ? 24 : 15, base = Math.min(H - 3, y + Math.max(h, 4) + below);
     pen.strokeStyle = COLOURS.card;
     pen.lineWidth = 4;
     pen.strokeText(text, at, base);

@@ -77,6 +77,7 @@ export class Views {
     for (const each of series) each.apart = each.name === "other" ? jumps(other, other?.exact(quantity)) : jumps(own, each.y);
     const label = inUnit(info.description, unit);
     const message = series.length ? "" : this.reason(own);
+    if (state.active === "B" && series[1]?.name === "other") series.unshift(...series.splice(1, 1));
     this.pulse.draw(series, { xLabel: info.per === "contact" ? "contact k" : series.some((each) => each.apart) ? "bead k (dot: free end)" : "bead k", counted: true, yLabel: label, log: state.view.log, message },
       `${label} along the chain: ${summary(series)}`);
     this.legend(own, other, state);
@@ -127,7 +128,7 @@ export class Views {
       return button;
     };
     const entries = own.pulse.header && exact ? [entry("exact", mine + SIMULATION, own.pulse.header.method ?? "")] : [];
-    if (theirs(own, other, quantity)) entries.push(entry("other", their + SIMULATION, other?.beads.header.description));
+    if (theirs(own, other, quantity)) entries[state.active === "A" ? "push" : "unshift"](entry("other", their + SIMULATION, other?.beads.header.description));
     /** @type {Map<string, string[]>} */
     const reasons = new Map();
     for (const [name, each] of own.theories) {
@@ -237,6 +238,7 @@ export class Views {
       if (each.remark) notes.push(each.remark);
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };
     });
+    if (state.active === "B") series.unshift(...series.splice(traces.length));
     const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y), each.rest) }));
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
     this.force.draw([...series, ...data], { xLabel: axis.label, range: axis.range, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit(scale === "change" ? "change from the force at t = 0" : "force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);

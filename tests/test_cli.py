@@ -80,7 +80,10 @@ def test_the_error_at_a_free_end_is_stated_apart_from_that_of_the_other_beads(ru
     _, out, _ = run(*command, "--method", "modified-bca")
     assert errors[-1] > errors[1:-1].max()
     stated = f"{100.0 * errors[1:-1].max():.2f}%"
-    assert f"  velocity without the last bead, at the free end: {stated}\n" in out
+    assert (
+        f"  without the last bead, at the free end:\n    velocity {stated}, momentum {stated}, "
+        in out
+    )
     assert "without the last bead" not in run(*command, "--method", "bca", "--beads", 2).stdout
 
 

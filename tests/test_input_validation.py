@@ -433,9 +433,11 @@ def public_calls(folder):
         "Comparison.to_dataframe": tried(compared.to_dataframe),
         "Comparison.plot": tried(compared.plot, quantity="velocity", legend=True, ax=None),
         "Comparison.errors": tried(compared.errors, quantity="velocity"),
-        "Comparison.worst": tried(compared.worst, quantity="velocity", first_bead=2),
-        "Comparison.rms": tried(compared.rms, quantity="velocity", first_bead=2),
-        "Comparison.worst_bead": tried(compared.worst_bead, quantity="velocity", first_bead=2),
+        "Comparison.worst": tried(compared.worst, quantity="velocity", first_bead=2, last_bead=5),
+        "Comparison.rms": tried(compared.rms, quantity="velocity", first_bead=2, last_bead=5),
+        "Comparison.worst_bead": tried(
+            compared.worst_bead, quantity="velocity", first_bead=2, last_bead=5
+        ),
         "Pulse": tried(
             hc.Pulse,
             chain=chain,

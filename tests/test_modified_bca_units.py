@@ -1,5 +1,7 @@
 """The modified BCA in SI units is that of the scaled taper with the same law of the radii."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -35,6 +37,15 @@ def test_the_free_end_has_the_largest_error():
     compared = hc.modified_bca(chain).compare(hc.propagate(chain))
     assert compared.worst_bead("velocity") == 25
     assert compared.worst("velocity") == pytest.approx(0.33, abs=0.01)
+    errors = abs(compared.errors("velocity")[1:-1])
+    assert compared.worst("velocity", last_bead=24) == errors.max()
+    assert compared.rms("velocity", last_bead=24) == pytest.approx(np.sqrt(np.mean(errors**2)))
+    assert compared.worst_bead("velocity", last_bead=24) == 2 + errors.argmax()
+    others = f"{errors.max():.2%}"
+    for text in (str(compared), repr(compared), compared._repr_html_()):
+        after = re.split("without the last bead, at the free end:", text, flags=re.IGNORECASE)[1]
+        assert after.split()[:2] == ["velocity", f"{others},"]
+    assert "without the last" not in str(hc.bca(chain[:2]).compare(hc.propagate(chain[:2])))
 
 
 def test_other_radii_are_no_taper():

@@ -67,6 +67,11 @@ def test_compare_rejects_other_objects(pulses):
             hc.InputError, match="first_bead of velocity must be a whole number from 1 to 20, got"
         ):
             theory.compare(exact).worst("velocity", first_bead=first_bead)
+    for last_bead in (3, 21):
+        with pytest.raises(
+            hc.InputError, match="last_bead of velocity must be a whole number from 4 to 20, got"
+        ):
+            theory.compare(exact).rms("velocity", first_bead=4, last_bead=last_bead)
     for name in ("velo", "chain"):
         with pytest.raises(hc.InputError, match="unknown quantity"):
             theory.column(name)

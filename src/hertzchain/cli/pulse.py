@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from ..chain.chain import Chain
-    from ..pulse.comparison import Comparison
     from ..pulse.pulse import Pulse
     from ..validation.objects import Progress
 
@@ -33,8 +32,6 @@ DISORDER: Final = "disorder"
 PREDICTED: Final = tuple(name for name in COLUMN_QUANTITIES if not name.endswith("_spread"))
 # The theory of the large beads of a chain with small ones between them.
 EFFECTIVE: Final = "effective-chain"
-# Least number of beads with errors at other beads than the first and the last.
-LEAST: Final = 2
 # All methods of sweeps that support the chain.
 ALL: Final = "all"
 
@@ -310,20 +307,5 @@ def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> Non
     show_table(side_by_side(pulses, quantity, every_bead))
     for other in pulses[1:]:
         comparison = other.compare(pulses[0])
-        click.echo(f"\n{comparison}")
-        _show_error_before_end(comparison, quantity)
-        if quantity in ON_REQUEST:
-            click.echo(comparison._line(quantity))
-
-
-def _show_error_before_end(comparison: Comparison, quantity: str) -> None:
-    """The largest error of the other beads, if the largest of all is that at a free end."""
-    from ..pulse.free_end import ends_free
-    from ..representation import percent
-
-    beads = comparison.pulse.chain.beads
-    if quantity not in comparison.quantities or not ends_free(comparison.reference, quantity):
-        return
-    if comparison.worst_bead(quantity) == beads and beads > LEAST:
-        worst = max(abs(comparison.errors(quantity)[1:-1]))
-        click.echo(f"  {quantity} without the last bead, at the free end: {percent(worst)}")
+        more = [quantity] if quantity in ON_REQUEST else []
+        click.echo(f"\n{comparison._text([*comparison.quantities, *more])}")

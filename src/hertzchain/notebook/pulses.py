@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ..pulse.comparison import DRAWN, Comparison
+from ..pulse.comparison import BEFORE_END, DRAWN, Comparison
 from ..pulse.free_end import ends_free
 from ..pulse.pulse import Pulse
 from .drawing import (
@@ -97,4 +97,6 @@ def comparison_html(comparison: Comparison) -> str:
     ours, theirs = comparison.pulse, comparison.reference
     about = f"of {ours.method} with {theirs.method}: {ours.chain.description}"
     relative = f"Errors of {ours.method} relative to {theirs.method}, of beads and contacts k >= 2."
+    if before := comparison._errors_before_end:
+        relative += f" {BEFORE_END.capitalize()}: {before}."
     return page("Comparison", about, *parts, note(relative))

@@ -15,6 +15,7 @@ from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice
 from .chain_units import in_same_units, same_beads
+from .free_end import ends_free
 from .pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
 from .quantities import ON_REQUEST, QUANTITIES
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 DRAWN: Final[tuple[str, ...]] = ("velocity", "arrival", "residence", "peak_force")
 # Bead from which the first beads, where the pulse forms, no longer dominate errors of arrivals.
 FORMED: Final = 11
+BEFORE_END: Final = "without the last bead, at the free end"
 
 
 @checked_fields
@@ -118,8 +120,8 @@ class Comparison:
         ours = (name for name in self.pulse.columns() if not QUANTITIES[name].estimate)
         return [name for name in ours if name in theirs]
 
-    def worst(self, quantity: str, *, first_bead: int = 2) -> float:
-        """Largest absolute relative error from ``first_bead`` on, where both pulses have a value.
+    def worst(self, quantity: str, *, first_bead: int = 2, last_bead: int | None = None) -> float:
+        """Largest absolute relative error of a range of beads, where both pulses have a value.
 
         Parameters
         ----------
@@ -127,6 +129,9 @@ class Comparison:
             Name of the quantity.
         first_bead : int
             First bead (or contact) that is considered.
+        last_bead : int, optional
+            Last bead (or contact) that is considered, by default that of the chain.  Most
+            theories do not describe the last bead of a free end.
 
         Examples
         --------
@@ -135,14 +140,14 @@ class Comparison:
         >>> pulse.compare(pulse).worst("velocity")
         0.0
         """
-        return self._reduce(quantity, first_bead, lambda e: float(np.nanmax(e)))
+        return self._reduce(quantity, first_bead, last_bead, lambda e: float(np.nanmax(e)))
 
-    def rms(self, quantity: str, *, first_bead: int = 2) -> float:
-        """Root mean square of the relative errors from ``first_bead`` on, like `worst`.
+    def rms(self, quantity: str, *, first_bead: int = 2, last_bead: int | None = None) -> float:
+        """Root mean square of the relative errors of a range of beads, like `worst`.
 
         Parameters
         ----------
-        quantity, first_bead
+        quantity, first_bead, last_bead
             As for `worst`.
 
         Examples
@@ -152,14 +157,18 @@ class Comparison:
         >>> pulse.compare(pulse).rms("momentum")
         0.0
         """
-        return self._reduce(quantity, first_bead, lambda e: float(np.sqrt(np.nanmean(e**2))))
+        return self._reduce(
+            quantity, first_bead, last_bead, lambda e: float(np.sqrt(np.nanmean(e**2)))
+        )
 
-    def worst_bead(self, quantity: str, *, first_bead: int = 2) -> int:
+    def worst_bead(
+        self, quantity: str, *, first_bead: int = 2, last_bead: int | None = None
+    ) -> int:
         """Bead (or contact) number of the largest error.
 
         Parameters
         ----------
-        quantity, first_bead
+        quantity, first_bead, last_bead
             As for `worst`.
 
         Examples
@@ -170,7 +179,7 @@ class Comparison:
         28
         """
         return first_bead + int(
-            self._reduce(quantity, first_bead, lambda e: float(np.nanargmax(e)))
+            self._reduce(quantity, first_bead, last_bead, lambda e: float(np.nanargmax(e)))
         )
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -239,16 +248,22 @@ class Comparison:
             names = [check_choice("quantity", quantity, (*self.quantities, *ON_REQUEST))]
         return plot_comparison(self, names, log=log, legend=legend, ax=ax)
 
-    def _reduce(self, quantity: str, first_bead: int, summary: Callable[[Array], float]) -> float:
+    def _reduce(
+        self, quantity: str, first_bead: int, last_bead: int | None,
+        summary: Callable[[Array], float],
+    ) -> float:  # fmt: skip
         errors = np.abs(self.errors(quantity))
         first_bead = whole_number(
             f"first_bead of {quantity}", first_bead, least=1, most=len(errors)
         )
-        counted = errors[first_bead - 1 :]
-        if np.isnan(counted).all():
-            raise InputError(
-                f"no bead from {first_bead} on has {quantity} in both pulses; see their notes"
+        if last_bead is not None:
+            last_bead = whole_number(
+                f"last_bead of {quantity}", last_bead, least=first_bead, most=len(errors)
             )
+        counted = errors[first_bead - 1 : last_bead]
+        if np.isnan(counted).all():
+            part = f"from {first_bead} on" if last_bead is None else f"{first_bead} to {last_bead}"
+            raise InputError(f"no bead {part} has {quantity} in both pulses; see their notes")
         return summary(counted)
 
     def __repr__(self) -> str:
@@ -259,11 +274,16 @@ class Comparison:
         ]
         about = f"{self.pulse.method} against {self.reference.method}"
         return short(
-            "Comparison", about, self.pulse.chain.description, f"largest errors {', '.join(worst)}"
-        )
+            "Comparison", about, self.pulse.chain.description, f"largest errors {', '.join(worst)}",
+            *([f"{BEFORE_END}: {before}"] if (before := self._errors_before_end) else []),
+        )  # fmt: skip
 
     def __str__(self) -> str:
-        width = max(13, *map(len, self.quantities))
+        return self._text(self.quantities)
+
+    def _text(self, names: list[str]) -> str:
+        """The errors of quantities as a table, with notes."""
+        width = max(13, *map(len, names))
         # The law of disorder describes other chains than a simulation without scatter.
         what = (
             "effect of the scatter" if self.pulse.velocity_spread is not None else "relative errors"
@@ -273,11 +293,25 @@ class Comparison:
             f"{self.pulse.chain.description}; {what}, k >= 2",
             f"  {'quantity':<{width}}{'worst':>10}{'at k':>6}{'rms':>10}",
         ]
-        for name in self.quantities:
+        for name in names:
             if np.isnan(self.errors(name)[1:]).all():
                 continue  # Two beads have one contact; a run may not have determined other values.
-            lines.append(self._line(name, width))
+            worst, rms = percent(self.worst(name)), percent(self.rms(name))
+            lines.append(f"  {name:<{width}}{worst:>10}{self.worst_bead(name):>6}{rms:>10}")
+        if before := self._errors_before_end:
+            lines += [f"  {BEFORE_END}:", f"    {before}"]
         return "\n".join([*lines, *self._note_on_arrival()])
+
+    @property
+    def _errors_before_end(self) -> str:
+        """Largest errors of the other beads, if the largest of all are those at a free end."""
+        last, pair = self.pulse.chain.beads, (self.pulse, self.reference)
+        names = [name for name in self.quantities if any(ends_free(each, name) for each in pair)]
+        return ", ".join(
+            f"{name} {percent(self.worst(name, last_bead=last - 1))}"
+            for name in names
+            if not np.isnan(self.errors(name)[1:-1]).all() and self.worst_bead(name) == last
+        )
 
     def _note_on_arrival(self) -> list[str]:
         """Why the arrival of an effective chain has a large error, if that is at a first bead."""
@@ -291,11 +325,6 @@ class Comparison:
             "  arrival: at the first beads, times are short and the pulse has not formed;",
             f"    from bead {FORMED} on, the largest error is {later}",
         ]
-
-    def _line(self, name: str, width: int = 13) -> str:
-        """The errors of a quantity, as a line of the table."""
-        worst, rms = percent(self.worst(name)), percent(self.rms(name))
-        return f"  {name:<{width}}{worst:>10}{self.worst_bead(name):>6}{rms:>10}"
 
     def _repr_html_(self) -> str:
         from ..notebook.pulses import comparison_html

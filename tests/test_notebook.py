@@ -120,7 +120,9 @@ def test_waves_fronts_and_states_have_their_numbers(units):
                    engineering(leading.kinetic_energy[last], "J", units)]),
         (fronts, [f"{np.isfinite(fronts.times).sum()} of 39",
                   engineering(np.nanmax(fronts.times), "s", units)]),
-        (run.state, [engineering(run.state.time, "s", units), f"{fastest + 1}"]),
+        (run.state, [engineering(run.state.time, "s", units), f"{fastest + 1}",
+                     "the last whole step before the end of the run"]),
+        (run, ["time of run.state", engineering(run.state.time, "s", units)]),
     ):  # fmt: skip
         root, text = parsed(item)
         assert text.startswith(type(item).__name__)

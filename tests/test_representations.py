@@ -62,7 +62,15 @@ def results(request):
     found = [
         (chain, [f"{beads} {kind}beads", "right wall"]),
         (run, ["t = ", f"{len(run.times)} saved times", "energy drift"]),
-        (run.state, [f"t = {factor * run.state.time:.4g}{second}", "steps", speed]),
+        (
+            run.state,
+            [
+                f"t = {factor * run.state.time:.4g}{second}",
+                "steps",
+                speed,
+                "the last whole step before the end of the run",
+            ],
+        ),
         (run.budget(), [end, "energy", "momentum", "right wall", "adds up within"]),
         (wall, ["right wall", f"{wall.largest_so_far:.4g}{newton}", "contact"]),
         (run.sensor_force(2), ["bead 2", "first maximum", newton]),

@@ -12,7 +12,7 @@ from ..simulation.energy_flux import EnergyFlux
 from ..simulation.fronts import Fronts
 from ..simulation.leading_pulse import LeadingPulse
 from ..simulation.reflection import Reflection
-from ..simulation.state import State
+from ..simulation.state import LAST_STEP, State
 from ..simulation.velocity_peaks import VelocityPeaks
 from ..simulation.waves import DIRECTIONS, Wave, Waves
 from .drawing import (
@@ -231,7 +231,8 @@ def state_html(state: State) -> str:
         "its velocity": engineering(float(state.velocities[fastest]), "m/s", units),
     }
     figure = chart([curve], "bead", f"velocity{speed}", whole=True)
-    return page("State", state.chain.description, figure, numbers(found))
+    notes = [note(sentence(LAST_STEP))] if state.time > 0.0 else []
+    return page("State", state.chain.description, figure, numbers(found), *notes)
 
 
 def _per_contact(values: Array, unit: str, name: str, units: str) -> str:

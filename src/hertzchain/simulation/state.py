@@ -38,6 +38,10 @@ ROW_SCALES: Final[Mapping[str, tuple[str, ...]]] = {
     "walls": ("time", "force", "momentum", "time", "time", "1", "1", "time", "momentum"),
     "completion": ("time", "time", "time", "time", "time", "momentum", "1"),
 }  # fmt: skip
+LAST_STEP: Final = (
+    "this is the last whole step before the end of the run; the last saved values are "
+    "run.velocities[-1], at run.times[-1]"
+)
 # Units of the accumulators, which are integrated along with the motion.
 ACCUMULATOR_SCALES: Final = ("energy", "energy", "momentum", "momentum", "momentum")
 
@@ -62,8 +66,8 @@ class State(Compared):
     chain : Chain
         The chain.
     time : float
-        Time of the state [scaled, or s]: the end of the last step that was not shortened to end
-        the run.
+        Time of the state [scaled, or s]: the end of the last whole step.  A run until a given time
+        ends within the next step, with the velocities ``run.velocities[-1]`` at ``run.times[-1]``.
     positions, velocities : ndarray, shape (N,)
         Positions and velocities of the beads [scaled, or m and m/s].
     arrays : dict of ndarray
@@ -120,6 +124,7 @@ class State(Compared):
             "State",
             f"{self.chain.description}, at t = {time}, after {steps} steps",
             f"fastest bead {fastest}",
+            *([LAST_STEP] if steps else []),
         )
 
     def copy(self) -> State:

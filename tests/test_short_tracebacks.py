@@ -1,4 +1,4 @@
-"""Tracebacks of `InputError` in IPython."""
+"""Tracebacks of errors in IPython."""
 
 import re
 import subprocess
@@ -36,6 +36,15 @@ def test_the_traceback_has_the_lines_of_the_user_and_the_sentence():
     assert out.rstrip().endswith("InputError: beads must be a whole number of at least 1, got -3")
     assert "src/hertzchain" not in out
     assert "checked_beads" not in out
+
+
+def test_runs_that_end_too_early_have_a_short_traceback():
+    out = shown(CELL, "run = hc.simulate(built(20), until=5.0)", "run.reflection(3, 12)")
+    assert "----> 1 run.reflection(3, 12)" in out
+    assert "SimulationError: " in out
+    assert "src/hertzchain" not in out
+    out = shown("import hertzchain as hc", "raise hc.StoreError('the disk is full')")
+    assert out.rstrip().endswith("StoreError: the disk is full")
 
 
 def test_the_complete_traceback_remains_available():

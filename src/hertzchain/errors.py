@@ -41,8 +41,8 @@ OTHER_WORDS: Final = {
 MAX_LISTED: Final = 20
 
 
-class InputError(ValueError):
-    """A chain, option or file cannot be used."""
+class ShortTraceback(Exception):
+    """An exception whose traceback in IPython has the lines of the user only."""
 
     def _render_traceback_(self) -> list[str]:
         # IPython calls this method.
@@ -51,15 +51,19 @@ class InputError(ValueError):
         return short_traceback(self)
 
 
+class InputError(ShortTraceback, ValueError):
+    """A chain, option or file cannot be used."""
+
+
 class UnavailableError(InputError, AttributeError):
     """A property that an object does not have: `hasattr` returns False."""
 
 
-class SimulationError(RuntimeError):
+class SimulationError(ShortTraceback, RuntimeError):
     """A run ended without the requested results."""
 
 
-class StoreError(RuntimeError):
+class StoreError(ShortTraceback, RuntimeError):
     """Results could not be written completely; results written earlier remain valid."""
 
 

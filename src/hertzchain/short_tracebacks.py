@@ -1,4 +1,4 @@
-"""Short tracebacks of `InputError` in IPython: the lines of the user, and the message."""
+"""Short tracebacks of errors in IPython: the lines of the user, and the message."""
 
 from __future__ import annotations
 

@@ -32,7 +32,12 @@ def __getattr__(name: str) -> object:
         return _load(name)
     import difflib
 
-    known = {each.lower(): each for each in __all__} | _OTHER_WORDS
+    within_parts = {
+        each.lower(): f"{part}.{each}"
+        for part in ("collision", "evaluation", "paper", "plotting", "theory")
+        for each in _load(part).__all__
+    }
+    known = within_parts | {each.lower(): each for each in __all__} | _OTHER_WORDS
     near = difflib.get_close_matches(name.lower(), known, n=1, cutoff=0.75)
     # A long word in a name, such as "tapered_chain".
     within = sorted((each for each in known if len(each) > 4 and each in name.lower()), key=len)

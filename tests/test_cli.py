@@ -796,6 +796,26 @@ def test_command_line_lists_waves(run):
     assert "--stream and --waves cannot be combined" in err
 
 
+def test_the_coefficients_of_a_reflection_are_printed(run):
+    command = ("simulate", "--beads", 40, "--wall", "rigid", "--reflection")
+    chain = hertzchain.Chain.uniform(40, right_wall=hertzchain.Wall.rigid())
+    found = hertzchain.simulate(chain, times=1500).reflection(25, 40)
+    code, out, _ = run(*command, "25:wall")
+    assert code == 0
+    assert "reflection: contacts 25 to 40, until t = " in out
+    assert f"reflected energy {found.reflected_energy:.3f}" in out
+    out = json.loads(run(*command, "25-40", "--json").stdout)["reflection"]
+    assert (out["before"], out["after"], out["disturbed"]) == (25, 40, False)
+    for name in ("reflected_energy", "transmitted_energy", "reflected_momentum", "kept_energy"):
+        assert out[name] == pytest.approx(getattr(found, name), abs=1e-4)
+    code, _, err = run(*command, 25)
+    assert code == 2
+    assert "'25' is not two contacts, such as 50:75 or 45:wall" in err
+    code, _, err = run("simulate", "--beads", 60, "--until", 5, "--reflection", "25:40")
+    assert code == 1
+    assert "no wave towards contact 40 passes contact 25" in err
+
+
 @pytest.mark.parametrize(
     "beads",
     [

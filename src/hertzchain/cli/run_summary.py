@@ -22,6 +22,7 @@ from ..simulation.yielding import (
 from .hit_tables import second_hit_lines
 from .last_bead import body_as_dict, final_velocities, free_end_lines, last_bead_of
 from .output import show_table
+from .reflections import reflection_as_dict, reflection_in_words
 from .wording import on_command_line
 from .wrapped_text import show_text
 from .yield_range import Ends, range_as_dict, range_in_words, range_lines
@@ -33,11 +34,13 @@ if TYPE_CHECKING:
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
     from .compared_yield import Yielding
+    from .reflections import Contacts
 
 
 def run_as_dict(
     run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
     waves: bool, contacts: bool, budget: bool = False, second: bool = False,
+    reflection: Contacts | None = None,
 ) -> dict[str, object]:  # fmt: skip
     """Summary of a run as a JSON document; ``other`` has the largest possible yield pressure.
 
@@ -91,6 +94,8 @@ def run_as_dict(
         found = run.waves()
         document["waves"] = waves_as_list(found)
         document["unlisted_energy"] = found.unlisted_energy.tolist()
+    if reflection:
+        document["reflection"] = reflection_as_dict(run, reflection)
     if budget:
         document["budget"] = _budget_as_dict(run)
     return document | described
@@ -123,6 +128,7 @@ def _budget_as_dict(run: Run) -> dict[str, object]:
 def show_run(
     run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
     waves: bool, contacts: bool, budget: bool = False, second: bool = False,
+    reflection: Contacts | None = None,
 ) -> None:  # fmt: skip
     """Print the summary of a run, with a hint at --horizon if it is long.
 
@@ -176,6 +182,8 @@ def show_run(
         )
     if waves:
         show_table(wave_table(run.waves()))
+    if reflection:
+        show_text(reflection_in_words(run, reflection))
     if contacts:
         show_table(contact_table(run))
     if budget:

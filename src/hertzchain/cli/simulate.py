@@ -24,6 +24,7 @@ from .options import (
 from .output import save_figure, show_json, show_table
 from .peaks_over_impacts import drawn_over_impacts, nothing_to_plot
 from .progress import progress_bar
+from .reflections import Contacts, reflection_option
 from .repeated_impacts import chains_at_impacts
 from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
 from .stream import check_stream_options, stream_into
@@ -63,7 +64,7 @@ SINGLE: Final = (
     type=int,
     help="Number of saved times.  Without --until, it is the largest number; usually more than "
     "half of it are saved.  [default: 400; with --sensor, --forces, --plot of forces, --animate "
-    "or several files, 4000; with --waves, more if the waves require them]",
+    "or several files, 4000; with --waves or --reflection, more if the waves require them]",
 )
 @click.option(
     "--rtol",
@@ -156,6 +157,7 @@ SINGLE: Final = (
 @click.option(
     "--waves", is_flag=True, help="Print the travelling waves: pulses, trains and reflections."
 )
+@reflection_option
 @click.option(
     "--horizon", is_flag=True, help="Print how long the run is predictable (takes twice as long)."
 )
@@ -165,7 +167,7 @@ def simulate(
     step: str | None, drift: float | None, max_steps: int | None, out: Path | None,
     forces: Path | None, plot: Path | None, animation: Path | None, magnify: float | None,
     sensors: tuple[str, ...], stream: Path | None, budget: bool, contacts: bool, waves: bool,
-    horizon: bool, hits: int | None, as_json: bool,
+    reflection: Contacts | None, horizon: bool, hits: int | None, as_json: bool,
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
@@ -207,6 +209,7 @@ def simulate(
       hertzchain simulate experiment.toml --loss "elastic-plastic, factor=2.8"
       hertzchain simulate experiment.toml --until 10s --times 100000 --stream long
       hertzchain simulate --beads 50 --until 60 --times 600 --waves --horizon
+      hertzchain simulate --beads 60 --wall rigid --reflection 45:wall
     """
     check_writable(animation, "--animate", (".gif", ".mp4"))
     check_writable(out, "--out", (".nc", ".csv"))
@@ -214,12 +217,12 @@ def simulate(
     if magnify is not None and animation is None:
         raise click.UsageError("--magnify requires --animate")
     chains, impacts = chains_at_impacts(options)
-    resolve_waves = waves and times is None
+    resolve_waves = bool(waves or reflection) and times is None
     if times is None:
         times = _usual_times(chains, plot, fine=bool(sensors or forces or animation))
     of_saved_times = {
         "out": out, "forces": forces, "plot": plot, "animate": animation, "sensor": sensors,
-        "budget": budget, "waves": waves, "horizon": horizon,
+        "budget": budget, "waves": waves, "reflection": reflection, "horizon": horizon,
     }  # fmt: skip
     _check_times(times, stream=stream, **of_saved_times)
     if stream is not None:
@@ -245,18 +248,17 @@ def simulate(
     peaks = peaks_of(runs, others, yielding, beads) if len(runs) > 1 else None
     drawn = plot is None or _plot(plot, runs, peaks, impacts, beads, yielding, sensors)
     again = {name: _hits(run, hits, until, step, settings) for name, run in runs.items()}
-    shown = {"second": hits is None, "waves": waves, "contacts": contacts, "budget": budget}
+    shown: dict[str, Any] = {"second": hits is None, "waves": waves, "contacts": contacts,
+                             "budget": budget, "reflection": reflection}  # fmt: skip
     if as_json:
-        found = [
-            run_as_dict(run, beads[name], others[name], yielding[name], **shown)
-            for name, run in runs.items()
-        ]
+        found = [run_as_dict(run, beads[name], others[name], yielding[name], **shown)
+                 for name, run in runs.items()]  # fmt: skip
         for each, (name, every) in zip(found, again.items(), strict=True):
             each |= {"hits": hits_as_list(every, beads[name])} if hits else {}
         show_json(found[0] if len(found) == 1 else together(runs, found))
     else:
         compared = compared_runs(runs, others, yielding, beads, impacts, peaks)
-        if not (impacts and compared) or waves or contacts or budget or horizon or hits:
+        if not (impacts and compared) or horizon or hits or any([*shown.values()][1:]):
             _show(runs, others, yielding, beads, again if hits else {}, shown)
         _show_table(compared, only=bool(impacts))
     if not drawn:
@@ -289,7 +291,7 @@ def _show_table(compared: tuple[Table, list[str]] | None, *, only: bool) -> None
 
 def _show(
     runs: dict[str, Run], others: dict[str, Run | None], yielding: dict[str, Yielding],
-    beads: dict[str, list[int]], again: dict[str, list[Run]], shown: dict[str, bool],
+    beads: dict[str, list[int]], again: dict[str, list[Run]], shown: dict[str, Any],
 ) -> None:  # fmt: skip
     """Print the summaries of runs and of their repetitions."""
     for i, (name, run) in enumerate(runs.items()):

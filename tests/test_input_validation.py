@@ -270,6 +270,7 @@ def public_calls(folder):
         ),
         "Chain.with_cap, of a material": tried(balls.with_cap, mass=0.01, material="brass"),
         "Chain.replace": tried(chain.replace, gravity=0.0),
+        "Material.replace": tried(hc.material("brass").replace, young=1e11),
         "Chain.loading_force": tried(chain.loading_force, overlaps=[0.1] * (chain.beads - 1)),
         "Chain.with_contacts": tried(balls.with_contacts, shapes=hc.Cone(60.0)),
         "Cone": tried(hc.Cone, half_angle=60.0),

@@ -46,6 +46,15 @@ def test_the_catalogue_is_a_dictionary_shown_as_a_table():
         found["stel"]
 
 
+def test_replace_changes_fields_and_checks_them():
+    found = STEEL.replace(young=200e9)
+    assert found == replace(STEEL, young=200e9)
+    with pytest.raises(InputError, match=r"unknown field of a material 'yong' .did you mean"):
+        STEEL.replace(yong=200e9)
+    with pytest.raises(InputError, match="poisson"):
+        STEEL.replace(poisson=0.7)
+
+
 @pytest.mark.parametrize("name", catalogue())
 def test_catalogue_numbers_are_possible_and_sourced(name):
     found = hc.material(name)

@@ -11,10 +11,10 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
 from importlib.resources import files
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from ..collision import Array
 from ..errors import InputError, InputWarning, alternatives, unknown_name_error, warn_user
 from ..representation import short
-from ..validation.keywords import checked_arguments, checked_fields
+from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list, check_type, text
 
@@ -55,6 +55,7 @@ def __dir__() -> tuple[str, ...]:
     return __all__  # for completion
 
 
+@checked_methods
 @checked_fields
 @dataclass(frozen=True)
 class Material:
@@ -119,6 +120,31 @@ class Material:
                 "foam; if you have g/cm^3 and GPa, multiply by 1000 and 1e9",
                 InputWarning,
             )
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a material with some fields changed.
+
+        Parameters
+        ----------
+        **changes
+            Fields of `Material` and their new values.
+
+        Raises
+        ------
+        InputError
+            If a field does not exist or is out of range.
+
+        Examples
+        --------
+        >>> import hertzchain as hc
+        >>> hc.material("steel-52100").replace(name="my steel", young=200e9).compliance
+        4.55e-12
+        """
+        names = [each.name for each in fields(self)]
+        for name in changes:
+            if name not in names:
+                raise unknown_name_error("field of a material", name, names)
+        return type(self)(**({name: getattr(self, name) for name in names} | changes))
 
     @property
     def compliance(self) -> float:

@@ -468,8 +468,11 @@ def test_the_header_of_savetxt_is_read(delimiter, tmp_path):
 def test_a_file_with_comments_and_no_header_is_rejected(tmp_path):
     file = tmp_path / "data.csv"
     np.savetxt(file, np.c_[1e6 * TIMES, *SIGNALS], delimiter=",", header="measured on Monday")
-    with pytest.raises(hc.InputError, match="there must be one column of times"):
+    with pytest.raises(hc.InputError, match="the header with the names of the columns is missing"):
         hc.load_traces(file)
+    # Numbers can be names of columns that are given.
+    file.write_text("1,2\n0,0.0\n1e-6,4.0\n2e-6,0.5\n")
+    assert hc.load_traces(file, sensors={"1": "time [s]", "2": "wall [N]"}, noise=0.1)
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from ..store.scope_files import WORDS
 from ..units import UNITS, converted
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, file_path, shown_path
-from .headers import header_of, other_unit_error, without_unit
+from .headers import check_header, header_of, other_unit_error, without_unit
 from .noise import check_names_of_noise
 from .places import Place
 from .shots import check_times, make_shot
@@ -108,7 +108,7 @@ def load_traces(
     if not paths:
         raise InputError("give load_traces at least one file, such as 'data.csv'")
     channels = check_bool("channels", channels) and len(paths) > 1
-    tables = [_table(path) for path in paths]
+    tables = [_table(path, sensors) for path in paths]
     headers = [table.header for table in tables]
     wanted = wanted_columns(sensors, paths, headers, channels=channels)
     found: Traces | None = None
@@ -125,7 +125,9 @@ def load_traces(
     return with_coupling(found, coupling)
 
 
-def _table(path: str | os.PathLike[str]) -> SampleTable:
+def _table(
+    path: str | os.PathLike[str], sensors: Sequence[str] | Mapping[str, str] | None
+) -> SampleTable:
     """Header and samples of a file."""
     file = file_path("file of traces", path)
     if file.suffix.lower() == ".toml":
@@ -134,7 +136,9 @@ def _table(path: str | os.PathLike[str]) -> SampleTable:
             "the traces first and the chain file last, as in data.csv chain.toml"
         )
     with errors_at(shown_path(path)):
-        return read_samples(file, "time [us], ball 6 [N], ...")
+        table = read_samples(file, "time [us], ball 6 [N], ...")
+        check_header(table.header, sensors)
+        return table
 
 
 def _shots(

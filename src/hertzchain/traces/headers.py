@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from typing import Final
 
 from ..errors import InputError
@@ -39,6 +40,24 @@ def header_of(text: str, named: str | None = None) -> tuple[Place, str, float]:
         return place, si, converted(f"column {place.name!r}", 1.0, unit, si)
     except InputError as error:
         raise InputError(f"{error}; without calibration, write V or mV") from None
+
+
+def check_header(header: Sequence[str], given: Iterable[str] | None) -> None:
+    """Reject numbers instead of names of columns, unless the sensors are given by them."""
+    if header and all(map(is_number, header)) and {*header}.isdisjoint(given or ()):
+        raise InputError(
+            "the header with the names of the columns is missing: its place has the numbers "
+            f"{', '.join(header)}; add a line such as 'time [us],ball 6 [N]' above them"
+        )
+
+
+def is_number(text: str) -> bool:
+    """Whether a cell is a number."""
+    try:
+        float(text.replace(",", "."))
+    except ValueError:
+        return False
+    return True
 
 
 def in_volts(noise: object) -> bool:

@@ -59,13 +59,27 @@ def test_exponents_are_six_fifths_where_hertz_law_is_the_only_scale(sheet):
 @pytest.mark.parametrize(
     ("change", "reason"),
     [({"right_wall": hc.Wall("40 kN/mm", exponent=1)}, "linear spring"),
-     ({"gaps": 1e-5}, "gaps"), ({"loss": hc.Restitution(0.9)}, "lose energy"),
+     ({"gaps": 1e-5}, "gaps"), ({"loss": hc.Viscoelastic(1e-6)}, "lose energy"),
      ({"gravity": 9.81}, "static force")],
 )  # fmt: skip
 def test_reasons_for_other_exponents_are_stated(change, reason):
     assert not other_scales(ROW)
     (found,) = other_scales(ROW.replace(**change))
     assert reason in found
+
+
+@pytest.mark.parametrize(
+    "law", [hc.Restitution(0.9), hc.UnloadingRatio(0.2), hc.WaltonBraun(0.8)], ids=str
+)
+def test_constant_restitution_keeps_the_exponent(law):
+    """Its laws contain no unit, so that a scaled motion solves the equations, too."""
+    row = ROW.replace(loss=law, right_wall=hc.Wall())
+    assert not other_scales(row)
+    lossy = hc.lab_sheet(row, sensors=["ball 3", "wall"], speeds=["50 mm/s", "0.1 m/s"])
+    assert lossy.exponents == pytest.approx(1.2, abs=1e-5)
+    answer = answers.on_exponents(lossy)
+    assert "restitution of its law does not depend on the speed" in answer
+    assert "only if" not in answer
 
 
 class Text(HTMLParser):

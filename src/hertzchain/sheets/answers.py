@@ -19,7 +19,7 @@ from ..recorded_warnings import ignore_warnings
 from ..representation import listed
 from .row import at_place, names, place_in_words
 from .sheet import WALL, LabSheet, lab_sheet
-from .similarity import EXPONENT_OF_FORCES, EXPONENT_OF_TIMES, other_scales
+from .similarity import EXPONENT_OF_FORCES, EXPONENT_OF_TIMES, other_scales, scale_free_loss
 
 # Differences of exponents that are shown with three decimals.
 SEEN: Final = 5e-4
@@ -74,9 +74,15 @@ def on_exponents(sheet: LabSheet) -> str:
     height = (f" As a function of the height h, with v² = 2gh, Hertz's exponent is "
               f"{EXPONENT_OF_FORCES / 2:.1f}.")  # fmt: skip
     if not scales:
+        lossy = (
+            " This includes the loss: the coefficient of restitution of its law does not depend on "
+            "the speed, so that all forces, those of the loss included, are proportional to "
+            "v^(6/5). A loss that depends on the speed, such as a viscoelastic one, would "
+            "change the exponent."
+        ) if scale_free_loss(sheet.chain) else ""  # fmt: skip
         return (
             f"All contacts of this row follow Hertz's law without other scales of force or "
-            f"length. Every force is therefore {law}, and every time to v^(-1/5).{height}"
+            f"length. Every force is therefore {law}, and every time to v^(-1/5).{lossy}{height}"
         )
     others = [
         f"{at_place(sheet.chain, place)} ({found:.3f})"

@@ -2,15 +2,24 @@ r"""Whether the forces of a chain are a power of the speed of the impact.
 
 If all contacts have forces :math:`F = k d^{3/2}` and there is no other scale of force or length, a
 solution of the equations of motion can be scaled: forces are proportional to :math:`v^{6/5}`, and
-times to :math:`v^{-1/5}`.
+times to :math:`v^{-1/5}`.  This includes losses with constant coefficients of restitution, such as
+`Restitution`, whose damping force :math:`c\sqrt{\mu k}\,d^{1/4} d'` is proportional to
+:math:`v^{1/5}\,v`.
 """
 
 from __future__ import annotations
 
 from ..chain.chain import Chain
 from ..chain.hertz_ratios import linear_springs, springs_of
+from ..chain.laws.elastic import Elastic
+from ..chain.laws.restitution import Restitution
+from ..chain.laws.unloading_ratio import UnloadingRatio
+from ..chain.laws.walton_braun import WaltonBraun
 
 EXPONENT_OF_FORCES, EXPONENT_OF_TIMES = 6.0 / 5.0, -1.0 / 5.0
+
+# Laws whose numbers have no unit: a contact loses the same part of its energy at any speed.
+SCALE_FREE = (Elastic, Restitution, UnloadingRatio, WaltonBraun)
 
 
 def other_scales(chain: Chain) -> list[str]:
@@ -27,6 +36,17 @@ def other_scales(chain: Chain) -> list[str]:
         found.append("there are gaps between the balls")
     if chain.gravity or chain.precompression > 0.0:
         found.append("a static force acts on the contacts")
-    if not chain.lossless:
-        found.append("contacts lose energy")
+    if not chain.lossless and not scale_free_loss(chain):
+        found.append("contacts lose energy by a law with a scale of time or speed")
     return found
+
+
+def scale_free_loss(chain: Chain) -> bool:
+    """Whether all contacts lose a part of the energy that does not depend on the speed.
+
+    The forces of these laws are then proportional to that of Hertz in scaled motions.
+    """
+    return not chain.lossless and all(
+        type(law) in SCALE_FREE
+        for group in chain.contact_groups for law in group.law.resolved(group.contacts)
+    )  # fmt: skip

@@ -34,7 +34,7 @@ from hertzchain.plotting.runs import (
     section_ends,
 )
 from hertzchain.plotting.signals import draw_crest, draw_signal
-from hertzchain.plotting.style import figure_bytes, label_log_axis
+from hertzchain.plotting.style import figure_bytes, label_log_axis, set_figure_title
 from hertzchain.plotting.titles import chain_title
 from hertzchain.store.sweep_store import FAILED, MISSING
 
@@ -990,6 +990,22 @@ def test_runs_that_differ_much_share_axes_and_the_small_ones_are_enlarged_below(
         assert axes.get_title(loc="left").startswith(f"{name} axis enlarged ")
     ratio = float(re.search(r"enlarged (\S+) times", weak.get_title(loc="left"))[1])
     assert ratio == pytest.approx(peaks[0] / peaks[1], rel=0.05)
+
+
+def test_titles_with_long_names_are_inside_the_figure():
+    names = [f"{kind} chain with a long name, 0.2 m/s (elastic-plastic)" for kind in ("a", "one")]
+    runs = dict(zip(names, (long_run(0.1, 8), long_run(1e-3, 60)), strict=True))
+    figure = plot_forces_of_runs(runs, {names[0]: [9], names[1]: [61]}).figure
+    set_figure_title(figure, " and ".join(names) + ": elastic contacts, beyond yield")
+    figure.draw_without_rendering()
+    titles = [figure._suptitle, *(axes.title for axes in figure.axes)]
+    titles += [axes._left_title for axes in figure.axes]
+    assert sum("\n" in title.get_text() for title in titles) >= 2
+    for title in titles:
+        box = title.get_window_extent()
+        assert box.x0 >= 0.0
+        assert box.x1 <= figure.bbox.width
+        assert "elastic-\n" not in title.get_text()
 
 
 def test_all_short_runs_are_enlarged():

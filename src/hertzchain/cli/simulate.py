@@ -415,10 +415,11 @@ def _drawn(
     """
     from ..plotting.decades import extends_over_decades, is_pale
     from ..plotting.labels import with_losses
+    from ..plotting.legends import figure_of
     from ..plotting.pulses import plot_pulses
     from ..plotting.run_overview import plot_run_and_forces
     from ..plotting.runs import plot_forces_of_runs
-    from ..plotting.style import literal
+    from ..plotting.style import literal, set_figure_title
     from ..plotting.widths import journal_width
 
     title = figure_title(runs, yielding)
@@ -440,5 +441,5 @@ def _drawn(
         return first.plot_forces(*shown.values())
     axes = plot_forces_of_runs(runs, shown)
     if title and journal_width.get() is None:
-        axes.figure.suptitle(literal(title), fontsize="medium")
+        set_figure_title(figure_of(axes), title)
     return axes

@@ -24,6 +24,7 @@ from .style import (
     label_log_axis,
     literal,
     seconds_axis,
+    set_panel_title,
     with_micro,
 )
 from .widths import figure_size
@@ -132,7 +133,8 @@ def _draw_improved(axes: Axes, without: FitResult, best: FitResult) -> None:
     axes.plot(times, old, "--", color=grey(axes, 0.2), linewidth=1.0, label="fit without a defect",
               zorder=2.5)  # fmt: skip
     of_shot = f", shot {shot}" if len(shots) > 1 else ""
-    axes.set_title(f"{literal(name)}{of_shot}, the signal that the defect improves most")
+    title = f"{literal(name)}{of_shot}, the signal that the defect improves most"
+    set_panel_title(axes, title)
     axes.set_xlabel(label)
     seen = np.where(signal.valid, signal.values, np.nan)
     core, shown = _around_largest_change(np.abs(new - old))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from .style import MUCH
+from .style import MUCH, set_panel_title
 
 
 class Group(NamedTuple):
@@ -80,4 +80,5 @@ def finish_enlarged(axes: Axes, first: Axes, names: str, *, short: bool) -> None
         for name, factor in factors.items()
         if factor > 1.1
     ]
-    axes.set_title(f"{names}: {' and '.join(scales)}", loc="left", fontsize="medium")
+    title = f"{names}: {' and '.join(scales)}"
+    set_panel_title(axes, title, loc="left", fontsize="medium")

@@ -24,7 +24,6 @@ from .looks import LINES
 from .parameter_labels import parameter_in_words
 from .shared_axes import same_prefix, use_prefix
 from .signals import (
-    RESIDUAL,
     draw_crest,
     draw_residuals,
     draw_signal,
@@ -40,6 +39,7 @@ from .style import (
     get_two_axes,
     literal,
     seconds_axis,
+    set_panel_title,
     signed,
     with_micro,
 )
@@ -143,10 +143,9 @@ def plot_fit(result: FitResult) -> Figure:
             draw_crest(crest, times, signal, fitted, FIT)
             same_prefix(crest, upper)
             upper.tick_params(labelbottom=False)
-            lower.set_ylabel(RESIDUAL)
             figure.align_ylabels([upper, lower])
             if len(shots) > 1:
-                upper.set_title(f"{literal(signal.name)}, shot {index + 1}")
+                set_panel_title(upper, f"{literal(signal.name)}, shot {index + 1}")
             crest.set_title("crest")
             if row == 2 * rows - 2 or i == len(sensors) - 1:
                 lower.set_xlabel(label)
@@ -175,7 +174,6 @@ def plot_fitted_sensor(
                 if (number, name) == (index + 1, sensor)
             )  # fmt: skip
             draw_residuals(lower, times, values)
-            lower.set_ylabel(RESIDUAL)
             lower.set_xlim(upper.get_xlim())
         lower.set_xlabel(label)
         if check_bool("legend", legend):
@@ -280,15 +278,14 @@ def _draw_differences(axes: Axes, comparison: TraceComparison, i: int, factor: f
     signal = shot.signals[i]
     values = np.where(signal.valid, signal.values - comparison.scaled[i], np.nan) / signal.sigma
     draw_residuals(axes, factor * shot.times, values)
-    axes.set_ylabel(RESIDUAL)
 
 
 def _title_with_peaks(axes: Axes, comparison: TraceComparison, i: int) -> None:
     """Add the peaks to the title of a figure of its own, unless it is for a journal."""
     if journal_width.get() is None:
         found = comparison.sensors[i]
-        peak, simulated = found.shown_peaks
-        axes.set_title(f"{literal(found.name)}, peak: {DATA} {peak}, {SIMULATION} {simulated}")
+        data, own = found.shown_peaks
+        set_panel_title(axes, literal(f"{found.name}, peak: {DATA} {data}, {SIMULATION} {own}"))
 
 
 def plot_sensor(

@@ -347,8 +347,10 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
         with_peaks(first, runs[names[0]].chain.units)
         place_legend(first, own=len(panels) == 1)
         for axes, group in zip(grid[1:, 0], groups, strict=False):
-            own = ", ".join(literal(names[i]) for i in group.curves)
-            finish_enlarged(axes, first, own, short=group.short)
+            # Lines of the title end between names.
+            own = [literal(names[i]).replace(", ", ",\u00a0") for i in group.curves]
+            separator = "; " if "," in "".join(own) else ", "
+            finish_enlarged(axes, first, separator.join(own), short=group.short)
         if not common:
             for axes, name in zip(grid[1:, 0], names[1:], strict=True):
                 with_peaks(axes, runs[name].chain.units)

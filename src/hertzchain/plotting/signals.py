@@ -12,7 +12,7 @@ from ..traces.signals import Signal
 from .colours import COLOURS, grey
 from .legends import POINTS_PER_INCH
 from .shared_axes import use_prefix
-from .style import literal
+from .style import literal, set_panel_title
 from .widths import NARROW, figure_size
 
 # Distance of samples [points] below which symbols would hide each other.
@@ -52,7 +52,7 @@ def draw_signal(axes: Axes, times: Array, signal: Signal, curve: Array, name: st
     draw_data_and_curve(axes, times, np.where(signal.valid, signal.values, np.nan), curve, name)
     unused = ~signal.valid & np.isfinite(signal.values)
     axes.plot(times[unused], signal.values[unused], "x", color=grey(axes, 0.55), markersize=3.0)
-    axes.set_title(literal(signal.name))
+    set_panel_title(axes, literal(signal.name))
     axes.margins(x=0.0)
     label_signal(axes, signal)
 
@@ -102,6 +102,7 @@ def draw_residuals(axes: Axes, times: Array, residuals: Array, limit: float | No
               markersize=1.3 if seen > CLOSE * _points_across(axes) else 2.0,
               alpha=float(np.clip(SOLID / max(seen, 1), FAINTEST, 1.0)), rasterized=seen > SOLID,
               zorder=3.0)  # fmt: skip
+    axes.set_ylabel(RESIDUAL)
     axes.set_ylim(-limit, limit)
     # More than three ticks do not fit a low panel.
     power = 10.0 ** np.floor(np.log10(limit))

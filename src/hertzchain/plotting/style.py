@@ -229,17 +229,30 @@ def set_title(axes: Axes, text: str, *, common: bool = False) -> None:
     if journal_width.get() is not None or present not in ("", _titles.get(axes)):
         return
     # Labels that are drawn later make the axes narrower.
-    letters = int(0.92 * _letters_along(axes, "width"))
-    whole = re.sub("(?<![,;]) ", "\u00a0", text)
-    parts = textwrap.wrap(whole, letters, break_long_words=False)
-    lines = [textwrap.fill(part.replace("\u00a0", " "), letters, break_long_words=False)
-             for part in parts]  # fmt: skip
-    title = "\n".join(lines)
+    title = broken_title(text, int(0.92 * _letters_along(axes, "width")))
     # The second chain is drawn into axes with the title of the first, or with neither.
     if axes in _titles and _titles[axes] == present != title and not common:
         title = ""
     _titles[axes] = title
     axes.set_title(title)
+
+
+def broken_title(text: str, letters: int) -> str:
+    """A title in lines of so many letters, which end at commas and semicolons where possible."""
+    wrapper = textwrap.TextWrapper(letters, break_long_words=False, break_on_hyphens=False)
+    parts = wrapper.wrap(re.sub("(?<![,;:]) ", "\u00a0", text))
+    return "\n".join(wrapper.fill(part.replace("\u00a0", " ")) for part in parts)
+
+
+def set_figure_title(figure: Figure, text: str) -> None:
+    """Set a title of a whole figure, broken into lines that fit inside it."""
+    letters = int(0.92 * figure.get_figwidth() / INCHES_PER_LETTER)
+    figure.suptitle(literal(broken_title(text, letters)), fontsize="medium")
+
+
+def set_panel_title(axes: Axes, text: str, **settings: Any) -> None:
+    """Set a title that remains at the width of a journal, broken into lines that fit above axes."""
+    axes.set_title(broken_title(text, _letters_along(axes, "width")), **settings)
 
 
 def broken_label(axes: Axes, side: Literal["width", "height"], label: str) -> str:

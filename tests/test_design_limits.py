@@ -51,6 +51,19 @@ def test_an_unknown_value_meets_no_constraint(limits):
         assert np.isfinite(outcome.rank).all() == fine
 
 
+def test_a_length_is_not_exceeded_to_come_closer_to_a_limit_that_no_row_meets():
+    problem = hc.Design(
+        WALLED, minimise="wall_force.peak", vary=[hc.vary.radii(0.5, 1.0)],
+        subject_to={"wall_force.peak": "<= 0.1", "length": "<= 10"},
+    )  # fmt: skip
+    # Columns of the force and the length; the second row is closer to the first limit.
+    rows = {name: i for i, name in enumerate(map(str, problem.measures))}
+    values = np.empty((2, 2))
+    values[:, rows["wall_force.peak"]], values[:, rows["length"]] = (0.3, 0.2), (9.9, 10.01)
+    short, long = trials_of(problem).outcomes([np.zeros(5), np.ones(5)], values)
+    assert short.rank < long.rank
+
+
 def test_a_limit_of_which_the_verification_has_no_value_is_not_met():
     """The BCA has the velocity of bead 9; the simulation ends before the pulse arrives there."""
     problem = hc.Design(

@@ -311,7 +311,7 @@ def test_the_force_with_contacts_that_yield_is_reported_where_elastic_ones_leave
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
-def test_if_no_chain_meets_the_constraints_the_sum_of_violations_is_smallest():
+def test_if_no_chain_meets_the_constraints_the_closest_one_meets_those_of_sizes():
     problem = hc.Design(
         STEEL, minimise="wall_force.peak",
         vary=[balls(diameters=["4.7625 mm", "6.35 mm"], optional=True, beads="2:5")],
@@ -325,7 +325,7 @@ def test_if_no_chain_meets_the_constraints_the_sum_of_violations_is_smallest():
         run, length = hc.simulate(chain), 2.0 * chain.radii.sum()
         ratio = hc.hertz_range(chain, run.largest_overlaps).yield_ratio.max()
         total = max(0.0, length / 31e-3 - 1.0) + max(0.0, 1.0 - length / 28e-3)
-        rows[chain] = total + max(0.0, ratio - 1.0), run.wall_force().peak
+        rows[chain] = (total, max(0.0, ratio - 1.0)), run.wall_force().peak
     least = min(rows.values())
     for method, budget in (("enumerate", 1000), ("genetic", 900)):
         found = hc.design(problem, method=method, budget=budget)
@@ -1563,8 +1563,17 @@ def test_a_design_without_a_trial_that_meets_the_constraints_is_drawn():
     assert "median" not in hc.design(problem, method="genetic", budget=60).summary()
     texts = [text.get_text() for axes in result.plot().axes for text in axes.texts]
     assert "no trial met the constraints" in texts
-    heading = result.summary().splitlines()[0]
+    heading, unmet, given, *others = result.summary().splitlines()
     assert "the closest one has a wall_force.peak of " in heading
+    own = 1e3 * hc.simulate(WALLED_STEEL, rtol=1e-10).wall_force().peak
+    shown = re.fullmatch(
+        r"  not met: wall_force.peak <= 1 mN \((\S+) mN; (\S+) mN in the given chain\)", unmet
+    )
+    values = [1e3 * result.value, own]
+    assert list(map(float, shown.groups())) == pytest.approx(values, rel=1e-3)
+    assert re.fullmatch(r"  the given chain has a wall_force.peak of \S+ N", given)
+    parts = "parts of the row that comes closest (limits NOT met), without the arriving ball:"
+    assert parts in others
 
 
 @pytest.mark.long

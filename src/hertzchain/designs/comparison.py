@@ -206,7 +206,7 @@ def _sorted_balls(result: DesignResult, name: str) -> str:
     space, chain = result.problem.space, result.references[name].chain
     if name not in (SORTED_BALLS, GEOMETRIC_TAPER) or not isinstance(space, BallSpace):
         return ""
-    sizes = chain.radii[space.places[0] :][: _chosen_balls(result, chain, space)]
+    sizes = chain.radii[space.places[0] :][: chosen_balls(result, chain, space)]
     factor, unit = (2e3, " mm") if chain.units == "SI" else (1.0, "")
     return " to ".join(f"{factor * sizes[i]:g}{unit}" for i in (0, -1))
 
@@ -220,12 +220,12 @@ def equal_balls(result: DesignResult, name: str) -> str:
         or chain.materials is None
     ):
         return ""
-    first, count = int(space.places[0]), _chosen_balls(result, chain, space)
+    first, count = int(space.places[0]), chosen_balls(result, chain, space)
     return (
         f"{counted(count, 'ball')} of {2e3 * chain.radii[first]:g} mm {chain.materials[first].name}"
     )
 
 
-def _chosen_balls(result: DesignResult, chain: Chain, space: BallSpace) -> int:
+def chosen_balls(result: DesignResult, chain: Chain, space: BallSpace) -> int:
     """Number of balls of a chain in the places that vary, some of which may be empty."""
     return chain.beads - (result.problem.chain.beads - space.size)

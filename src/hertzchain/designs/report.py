@@ -21,6 +21,7 @@ from .comparison import (
     better_if_yielding,
     has_yielding_value,
 )
+from .ends_of_search import not_met_with_given
 from .limits_if_yielding import (
     met_if_yielding,
     not_met_in_words,
@@ -66,7 +67,8 @@ def summary(result: DesignResult) -> str:
         f"  with scatter, {FRESH} new samples: {_scattered(result, each)}" for each in sampled
     ]
     if result.parts:
-        lines.append("parts, without the arriving ball:" if _arrives(result) else "parts:")
+        of_row = "parts" if result.met else "parts of the row that comes closest (limits NOT met)"
+        lines.append(f"{of_row}{', without the arriving ball' * _arrives(result)}:")
         lines += parts_in_lines(result)
     if result.problem.discrete and result.chain.materials is not None:
         lines.append(f"order: {order_in_words(result)}")
@@ -216,7 +218,8 @@ def _heading(result: DesignResult) -> list[str]:
         first = f"{_closest(result, value.strip())}{outside}{_more_trials(result)}"
     else:
         first += outside
-    lines = [first, *(f"  {line}" for line in search_with_yield(result)),
+    lines = [first,
+             *(f"  {line}" for line in (*not_met_with_given(result), *search_with_yield(result))),
              f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):

@@ -539,6 +539,15 @@ def test_another_time_offset_that_agrees_almost_as_well_is_noted(first_saved):
     assert not any("reflected" in each for each in run.compare(data).notes)
 
 
+@pytest.mark.parametrize("late", [30e-6, -30e-6])
+def test_a_given_time_offset_that_makes_all_arrivals_late_is_noted(late):
+    run, data = simulated(7e-4), traces(("ball 5", "ball 10", "wall"))
+    words = f"arrivals are .* us {'late' if late > 0.0 else 'early'}: check the given time offset"
+    with pytest.warns(hc.InputWarning, match=words):
+        run.compare(data, time_offset=END + late)
+    assert not any("arrivals are" in each for each in run.compare(data, time_offset=END).notes)
+
+
 def test_simulated_pulses_outside_the_record_are_noted():
     run = simulated(7e-4)
     with pytest.warns(hc.InputWarning, match="the simulated pulse of wall is not in the record"):

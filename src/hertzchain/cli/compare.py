@@ -94,6 +94,7 @@ def compare(
 
     from ..chain.yield_pressure import assumed_for_all
     from ..errors import InputWarning
+    from ..fitting.arrival_notes import ALL_ARRIVALS
     from ..fitting.compared_run import run_to_compare
     from ..fitting.parameters import priors_of_gains
     from ..fitting.prior_conflicts import gain_notes
@@ -119,7 +120,7 @@ def compare(
         run = run_to_compare(described, data, first, progress=progress)
     with ignore_warnings(InputWarning):  # the summary lists them as notes
         found = run.compare(data)
-    if not found.exchanged:
+    if not (found.exchanged or any(each.startswith(ALL_ARRIVALS) for each in found.notes)):
         found = dataclasses.replace(found, notes=(*found.notes, *gain_notes(found.sensors, priors)))
     if plot is not None:
         save_figure(found.plot().axes[0], plot)

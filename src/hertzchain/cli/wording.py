@@ -57,6 +57,7 @@ WORDINGS: Final = (
      r"\{[^}]*\}",
      r"\1 is not known: add --prior '\1=0.01\2,0.0003\2', or give it in [fit.prior] or [fit.start] "
      r"of the chain file"),
+    (r"\bcheck the given time offset,", "check --time-offset, or time_offset in [fit],"),
     (r"\bcheck with run\.horizon\(\)", "check with --horizon"),
     (r"\bhc\.simulate\(result\.chain\)\.horizon\(\)", "hertzchain simulate --horizon"),
     (r"\bhc\.scoreboard\(\)", "hertzchain scoreboard"),

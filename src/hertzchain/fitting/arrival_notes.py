@@ -14,12 +14,16 @@ from ..representation import listed, measure
 from ..traces.amplitudes import ARRIVED, SAME_TIME, extreme, level_of
 from ..traces.signals import Shot, Signal
 from .crossings import reached
-from .sensor_comparison import ABOVE_NOISE, saturated_samples
+from .sensor_comparison import ABOVE_NOISE, SensorComparison, saturated_samples
 
 # Part of the simulated peak that must be in the record for a comparison of peaks.
 IN_RECORD: Final = 0.1
 # Parts of the simulated peak at which the pulse begins and ends; losses leave a tail behind it.
 FOOT, TAIL = 0.01, 0.05
+# All arrivals differ by one time if the differences vary by less than this part of the least one,
+# and if they exceed this part of the width of a pulse.
+SPREAD, SHIFTED = 0.25, 0.1
+ALL_ARRIVALS: Final = "all simulated arrivals are"
 # The note on data in which a simulated pulse is not recognised.
 NOTHING_EXPLAINED: Final = (
     "the simulation explains no more of the data than noise would, and the time offset has no "
@@ -146,4 +150,22 @@ def other_offset_notes(
         f"{measure(time_offset, 's', digits=3)}, the differences are only {larger - 1.0:.0%} "
         "larger: a reflected pulse may be compared with the first one; give time_offset if you "
         "know it"
+    ]
+
+
+def given_offset_notes(
+    sensors: Sequence[SensorComparison], time_offset: float, width: float
+) -> list[str]:
+    """A note if all simulated arrivals differ by about one time, as from a wrong given offset."""
+    delays = [each.delay for each in sensors if np.isfinite(each.delay)]
+    if len(delays) < 2:
+        return []
+    low, high = sorted((min(delays), max(delays)), key=abs)
+    if low * high <= 0.0 or abs(high - low) > SPREAD * abs(low) or abs(low) < SHIFTED * width:
+        return []
+    later = "late" if low > 0.0 else "early"
+    least, most = (measure(abs(each), "s", digits=3) for each in (low, high))
+    return [
+        f"{ALL_ARRIVALS} {least} to {most} {later}: check the given time offset, "
+        f"{measure(time_offset, 's')}, before all other differences, which depend on it"
     ]

@@ -22,6 +22,7 @@ from ..traces.traces import Traces, with_time_offset
 from ..validation.objects import check_type
 from .arrival_notes import (
     NOTHING_EXPLAINED,
+    given_offset_notes,
     has_pulse,
     order_notes,
     other_offset_notes,
@@ -178,6 +179,11 @@ def _suspicious(
         *units,
         *outside_notes(shot, columns, grid, begin, outside),
         *other_offset_notes(shot, found.time_offset, other),
+        *(
+            given_offset_notes(found.sensors, found.time_offset, min(pulse_widths(columns, grid)))
+            if found.time_offset_given
+            else ()
+        ),
     ]
 
 

@@ -60,8 +60,12 @@ def test_a_length_is_not_exceeded_to_come_closer_to_a_limit_that_no_row_meets():
     rows = {name: i for i, name in enumerate(map(str, problem.measures))}
     values = np.empty((2, 2))
     values[:, rows["wall_force.peak"]], values[:, rows["length"]] = (0.3, 0.2), (9.9, 10.01)
-    short, long = trials_of(problem).outcomes([np.zeros(5), np.ones(5)], values)
-    assert short.rank < long.rank
+    trials = trials_of(problem)
+    short, long = trials.outcomes([np.zeros(5), np.ones(5)], values)
+    assert long.rank < short.rank
+    trials.note_without_cost([short, long])
+    assert trials.tops == [short]
+    assert trials.best == [long, short]
 
 
 def test_a_limit_of_which_the_verification_has_no_value_is_not_met():

@@ -119,6 +119,27 @@ def test_the_command_does_not_exit_with_0_and_searches_with_a_law_of_loss(tmp_pa
     assert "have yielded" in again.stdout
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
+@pytest.mark.parametrize(
+    ("aim", "limits", "change"),
+    [("wall_force.peak", {"yield_ratio": "<= 0.1"}, "remove yield_ratio from subject_to and use"),
+     ("yield_ratio", {}, "replace the objective yield_ratio and use")],
+)  # fmt: skip
+def test_the_advice_to_search_with_yield_names_what_that_search_does_not_allow(aim, limits, change):
+    chain = hc.Chain.from_materials("5 mm", STEEL, beads=4, velocity=1.0)
+    options = {"vary": [hc.vary.balls(materials=STEEL, diameters=["4 mm", "5 mm"], beads="2:")]}
+    walled = chain.replace(right_wall=hc.Wall.of(STEEL))
+    lines = hc.design(hc.Design(walled, minimise=aim, subject_to=limits, **options)).summary()
+    advised = [line for line in lines.splitlines() if "use loss=ElasticPlastic()" in line]
+    assert len(advised) == 1 + bool(limits)
+    assert all(f"{change} loss=ElasticPlastic()" in line for line in advised)
+    # The advice works, and the loss alone does not.
+    dented = walled.replace(loss=hc.ElasticPlastic())
+    with pytest.raises(hc.InputError, match="omit yield_ratio, or the loss"):
+        hc.Design(dented, minimise=aim, subject_to=limits, **options)
+    hc.Design(dented, minimise="wall_force.peak", **options)
+
+
 def rows(balls, until, **limits):
     chain = hc.Chain.from_materials("3 mm", STEEL, beads=4, velocity=0.1)
     chain = chain.replace(right_wall=hc.Wall.of(STEEL))

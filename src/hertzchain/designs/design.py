@@ -247,7 +247,7 @@ def _result(
     notes: tuple[str, ...],
 ) -> DesignResult:  # fmt: skip
     problem = trials.problem
-    tops = [given] if given is not None else trials.best[: RUNNERS_UP + 1]
+    tops = [given] if given is not None else trials.tops[: RUNNERS_UP + 1]
     tops = [top for top in tops if np.isfinite(top.score)]
     if not tops:
         raise InputError(f"{'; '.join(notes)}, and the given chain has no value to report")

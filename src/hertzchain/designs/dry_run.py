@@ -163,6 +163,6 @@ def in_lines(problem: Design, found: Estimate) -> str:
     if found.impossible is not None:
         return "\n".join(lines)
     whole = " for the whole budget," if found.choices == math.inf else ""
-    lines.append(f"about {1e3 * found.trial:.2g} ms per trial on this machine, about "
+    lines.append(f"about {float(f'{1e3 * found.trial:.2g}'):g} ms per trial on this machine, about "
                  f"{duration_in_words(found.seconds)}{whole} without the verification")  # fmt: skip
     return "\n".join(lines)

@@ -17,16 +17,16 @@ from .compared_in_words import (
     shown_yield_range,
 )
 from .comparison import (
-    best_reference,
     better_if_yielding,
     has_yielding_value,
 )
-from .ends_of_search import not_met_with_given
+from .ends_of_search import no_better, not_met_with_given, search_choices
 from .limits_if_yielding import (
     met_if_yielding,
     not_met_in_words,
     requirement_with_yield,
     search_with_yield,
+    with_law_of_yield,
 )
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
@@ -51,7 +51,7 @@ def summary(result: DesignResult) -> str:
     lines = _heading(result)
     lines += [f"  {text}" for text in _starts(result)]
     lines += comparison_lines(result)
-    lines += _no_better(result)
+    lines += no_better(result)
     if problem.tie_breaker is not None:
         lines.append(
             f"  among rows of as many beads, {problem.tie_breaker.preference} is preferred"
@@ -82,7 +82,8 @@ def summary(result: DesignResult) -> str:
         lines += [
             f"  {i}: {point_in_words(point)}" for i, point in enumerate(result.front, start=1)
         ]
-    lines += [f"note: {note}" for note in (*result.notes, _assumed(result)) if note]
+    notes = [with_law_of_yield(problem, note) for note in (*result.notes, _assumed(result))]
+    lines += [f"note: {note}" for note in notes if note]
     return "\n".join(lines)
 
 
@@ -270,7 +271,7 @@ def _more_trials(result: DesignResult) -> str:
     """Advice if no trial meets the constraints, unless all choices were tried."""
     if wall := _yielding_wall(result):
         return f"; {wall}: choose a harder wall or a smaller velocity, or relax yield_ratio"
-    choices = _choices(result)
+    choices = search_choices(result)
     if choices is not None and choices[0] >= choices[1]:
         return ""
     begin = ", begin with a row that meets them (start)" if choices is not None else ""
@@ -327,19 +328,6 @@ def _describes_yield(result: DesignResult) -> bool:
     return any(law.yields for law in result.chain.contact_losses)
 
 
-def _no_better(result: DesignResult) -> list[str]:
-    """A statement that the search has improved nothing, and what to try."""
-    name = best_reference(result)
-    if name is None or result.method == "scan":
-        return []
-    best = f"the {'best ' if result.compared[name] > 1 else ''}{name}"
-    choices = _choices(result)
-    if choices is not None and choices[0] >= choices[1]:
-        simulated = " that has a value" if result.rejected else ""
-        return [f"  no other choice{simulated} is better than {best}"]
-    return [f"  the search found nothing better than {best}; give a larger budget or another seed"]
-
-
 def _first_upper(text: str) -> str:
     return text[:1].upper() + text[1:]
 
@@ -357,7 +345,7 @@ def search_in_words(result: DesignResult) -> str:
     """The choices or starts of which the design is the best."""
     if result.method == "none":
         return "not searched"
-    if (choices := _choices(result)) is None:
+    if (choices := search_choices(result)) is None:
         return _of_starts(result)
     done, count = choices
     if done < count:
@@ -372,17 +360,8 @@ def _rejected(result: DesignResult) -> str:
     return f" ({result.rejected} were rejected, see the notes)" if result.rejected else ""
 
 
-def _choices(result: DesignResult) -> tuple[int, int] | None:
-    """Numbers of simulated and of all choices of an enumeration."""
-    if not isinstance(result.problem.space, BallSpace) or result.method != "enumerate":
-        return None
-    scatter = result.problem.scatter
-    done = result.runs // (1 if scatter is None else scatter.samples)
-    return done, int(result.problem.space.count)
-
-
 def _starts(result: DesignResult) -> list[str]:
-    if (choices := _choices(result)) is not None:
+    if (choices := search_choices(result)) is not None:
         done, count = choices
         if done >= count:
             return [search_in_words(result)]

@@ -24,8 +24,6 @@ _PLAIN: Final = re.compile(r"[-+]?[\d.]+([eE][-+]?\d+)?")
 _USUAL: Final = {"m": "mm", "s": "us"}
 # Relative violation that is regarded as rounding of the simulation.
 TOLERANCE: Final = 1e-6
-# Weight of violations of limits of the chain itself relative to those of simulated values.
-CHAIN_FIRST: Final = 1e4
 
 
 @dataclass(frozen=True)
@@ -123,14 +121,9 @@ def _check_consistent(found: list[Requirement]) -> None:
 
 
 def violation(requirements: tuple[Requirement, ...], values: Array) -> Array:
-    """Total relative violation of rows of values, shape (C,); NaN if one of them is unknown.
-
-    Limits of the chain itself, such as its length, count so much more that they are met first:
-    values of a simulation may have no chain that meets their limits.
-    """
+    """Total relative violation of rows of values, shape (C,); NaN if one of them is unknown."""
     total = np.zeros(len(values))
     for i, each in enumerate(requirements):
         excess = each.excess(values[:, i])
-        weight = CHAIN_FIRST if each.measure.of_chain else 1.0
-        total += np.where(excess <= TOLERANCE, 0.0, weight * excess)
+        total += np.where(excess <= TOLERANCE, 0.0, excess)
     return total

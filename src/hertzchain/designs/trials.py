@@ -56,6 +56,8 @@ class Outcome:
     violation: float
     # Order of trials with the same score, which a number of balls often has.
     tie: float = 0.0
+    # Violation of the limits of the chain itself, such as its length.
+    of_chain: float = 0.0
 
     @property
     def met(self) -> bool:
@@ -68,6 +70,11 @@ class Outcome:
         if np.isnan(self.score) or np.isnan(self.violation):
             return np.inf, np.inf, np.inf
         return (0.0 if self.met else self.violation), self.score, self.tie
+
+    @property
+    def closeness(self) -> tuple[float, ...]:
+        """Order if no trial meets all limits: first those that meet the limits of the chain."""
+        return max(self.of_chain - TOLERANCE, 0.0), *self.rank
 
 
 class Reference(NamedTuple):
@@ -93,6 +100,7 @@ class Trials:
     gradients: int = 0
     history: list[tuple[int, float]] = field(default_factory=list)
     best: list[Outcome] = field(default_factory=list)
+    closest: Outcome | None = None
     reasons: dict[str, int] = field(default_factory=dict)
     references: dict[str, Reference] = field(default_factory=dict)
     # Points and values by tolerance and point, if several searches of a Pareto front share them.
@@ -226,7 +234,18 @@ class Trials:
         ties = np.zeros(len(scores))
         if (limit := self.problem.tie_breaker) is not None:
             ties = limit.excess(values[:, self.position[limit.measure]])
-        return [Outcome(*each) for each in zip(points, values, scores, excess, ties, strict=True)]
+        own = [each for each in self.problem.requirements if each.measure.of_chain]
+        of_chain = violation(tuple(own), values[:, [self.position[each.measure] for each in own]])
+        columns = points, values, scores, excess, ties, of_chain
+        return [Outcome(*each) for each in zip(*columns, strict=True)]
+
+    @property
+    def tops(self) -> list[Outcome]:
+        """The best trials; if none meets all limits, the closest ones by their `closeness`."""
+        if (first := self.closest) is None or self.best[0].met:
+            return self.best
+        others = [each for each in self.best if each.closeness[0] <= first.closeness[0]]
+        return [first, *(each for each in others if not np.array_equal(each.x, first.x))]
 
     def slopes(self, point: Array) -> tuple[Outcome, Array, Array]:
         """Values at a point, the derivatives of all measures, shape (M, n), and linear models.
@@ -414,6 +433,9 @@ class Trials:
                 if each.met and not (self.history and each.score >= self.history[-1][1]):
                     self.history.append((self.runs, each.score))
         known = {np.ascontiguousarray(each.x).tobytes(): each for each in [*self.best, *found]}
+        usable = [each for each in known.values() if np.isfinite(each.rank).all()]
+        closest = [self.closest] if self.closest is not None else []
+        self.closest = min([*closest, *usable], key=lambda each: each.closeness, default=None)
         self.best = sorted(known.values(), key=lambda each: each.rank)[: self.kept]
 
 

@@ -50,6 +50,7 @@ def test_several_chains_are_compared_in_a_table(run, tmp_path):
     for name, each in runs.items():
         assert f"{1e6 * each.wall_force().peak_time:.5g} us" in table[name]
         assert f"{1e6 * each.dents.max():.3g} um" in table[name]
+    assert "pressure/yield is at most 1 with a law of yield; the dents show how far" in out
     header = out[out.index(" chains: force on ") :].splitlines()[3]
     for column in ("impulse", "duration", "/radius", "/yield", "2.8 Y"):
         assert column in header

@@ -16,6 +16,7 @@ from .compared_yield import (
     compared,
     comparison_notes,
     has_law_of_yield,
+    limited_pressure_notes,
     possible_factors,
     predicted,
 )
@@ -153,6 +154,7 @@ def compared_runs(
     rows = with_sensors(rows, runs, beads, impacts, first_is_peak=first)
     signs = [*sign_notes(rows), *dash_notes(rows, at, impacts)]
     table = _table(rows, f"{_counted(rows, impacts)}: {force}{marks}", impacts)
+    notes += limited_pressure_notes(rows, runs)
     return table, [*_notes_on_place(runs, beads, place), *signs, *notes]
 
 
@@ -251,6 +253,7 @@ def _of_different_ends(
     places += ["force in sensors"] * of_sensors
     rows = with_sensors(rows, runs, beads, impacts, first_is_peak=False)
     notes = [*sign_notes(rows), *dash_notes(rows, at, impacts, ends_differ=True)]
+    notes += limited_pressure_notes(rows, runs)
     return _table(rows, f"{_counted(rows, impacts)}: {', '.join(places)}", impacts), notes
 
 

@@ -158,6 +158,17 @@ def smallest(peaks: Mapping[str, float]) -> tuple[str, ...]:
     return tuple(name for name, peak in peaks.items() if peak <= (1.0 + SAME) * least)
 
 
+def limited_pressure_notes(
+    rows: Mapping[str, Mapping[str, str]], runs: Mapping[str, Run]
+) -> list[str]:
+    """A note beside pressures of contacts that have yielded, which their law limits."""
+    dented = any("deepest dent" in rows[name] for name in runs if has_law_of_yield(runs[name]))
+    if not dented:
+        return []
+    return ["pressure/yield is at most 1 with a law of yield; the dents show how far contacts "
+            "have yielded"]  # fmt: skip
+
+
 def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
     """Title of a figure of elastic contacts beyond yield, with the peaks if they yield."""
     peaks = {name: peak for name, (peak, _) in yielding.items() if peak is not None}

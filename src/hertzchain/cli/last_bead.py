@@ -44,6 +44,24 @@ def free_end_lines(run: Run, beads: Sequence[int]) -> list[str]:
     return lines
 
 
+def _is_over(run: Run) -> bool:
+    """Whether a pulse has reached the free end, and all contacts are open for good."""
+    return last_bead_of(run) is not None and not (len(run.closed_contacts) or run._unfinished)
+
+
+def _velocity_after_impact(run: Run) -> list[str]:
+    """The velocity and momentum of a body behind the row, which are not those in the pulse."""
+    from ..representation import measure
+
+    chain = run.chain
+    if not (chain._free_cap and _is_over(run)):
+        return []
+    velocity = float(run.state.velocities[-1])
+    shown = measure(velocity, "m/s", chain.units, 5)
+    momentum = measure(float(chain.masses[-1]) * velocity, "N s", chain.units)
+    return [f"  velocity after the impact: {shown}, momentum {momentum}"]
+
+
 def last_bead_line(run: Run, last: dict[str, float]) -> str:
     """Velocity and momentum of the last bead of a free end."""
     from ..chain.bead_names import bead_label
@@ -131,30 +149,21 @@ def shown_acceleration(value: float, units: str) -> tuple[str, str]:
 
 
 def final_velocities(run: Run) -> list[str]:
-    """Velocities after the impact of few beads, if more than one of them moves, or of a cap."""
+    """Velocities after the impact of a body and of few beads, if more than one of them moves."""
     from ..chain.bead_names import bead_label
-    from ..representation import measure
-
-    if last_bead_of(run) is None:
-        return []
 
     velocities, chain = run.state.velocities, run.chain
     moving = abs(velocities) > MOVES * abs(velocities).max()
-    over = not (len(run.closed_contacts) or run._unfinished)
-    if not over or moving.sum() < 2:
-        return []
-    if chain.beads > SHORT:
-        # The velocity of a body behind the row is that after the impact, not that in the pulse.
-        if not chain._free_cap:
-            return []
-        velocity = measure(float(velocities[-1]), "m/s", chain.units, 5)
-        return [f"{bead_label(chain, chain.beads)} at the end of the run: velocity {velocity}"]
+    of_body = _velocity_after_impact(run)
+    if chain.beads > SHORT or moving.sum() < 2 or not _is_over(run):
+        return of_body
     unit = " m/s" if chain.units == "SI" else ""
     last = abs(velocities).max()
     # Velocities have the decimals of the fastest bead, of which five digits are shown.
     decimals = max(0, 4 - math.floor(math.log10(last)))
     shown = ", ".join(f"{each:z.{decimals}f}" for each in velocities)
     return [
+        *of_body,
         f"velocities at the end of the run, from {bead_label(chain, 1)} to "
-        f"{bead_label(chain, chain.beads)}: {shown}{unit}"
+        f"{bead_label(chain, chain.beads)}: {shown}{unit}",
     ]

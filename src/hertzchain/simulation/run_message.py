@@ -54,6 +54,9 @@ def end_message(
     at = f"at t = {measure(time, 's', chain.units, digits=6)}, after {steps} steps"
     milder = _milder(chain)
     so_far = f"the pulse had passed {passed} of {counted(chain.beads - chain.strikers, 'bead')}"
+    # A free body behind the row has the number of all beads with the strikers.
+    if chain.strikers and chain._free_cap:
+        so_far += f" behind the striker{'s' * (chain.strikers > 1)}"
     return {
         "pulse left": _pulse_left(chain, at),
         "wall force complete": _complete(chain, at, sensitive=sensitive),

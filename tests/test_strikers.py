@@ -322,3 +322,9 @@ def test_the_energy_of_an_impact_determines_the_velocity(run):
     code, _, err = run(*options, "--striker", "20 g, 0.1 mJ", "--speed", "1 m/s")
     assert code == 2
     assert "has an energy, which determines the speed" in " ".join(err.split())
+    code, out, _ = run(*options, "--striker", "20 g, flat, 0.2 m/s")
+    assert code == 0
+    assert "impact at 0.2 m/s" in out
+    code, _, err = run(*options, "--striker", "20 g, 0.2 m/s", "--height", "2 mm")
+    assert code == 2
+    assert "has a speed: omit it or --height" in " ".join(err.split())

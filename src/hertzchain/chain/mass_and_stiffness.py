@@ -90,7 +90,8 @@ def wall_stiffness(
     if math.isinf(radius):
         raise InputError(
             "a flat striker or cap has no Hertz contact with a wall: give the stiffness of the "
-            "wall, such as Wall('5 kN/mm', exponent=1) for a load cell"
+            "wall, such as Wall('5 kN/mm', exponent=1) for a load cell, or omit the wall behind a "
+            "free body"
         )
     if given and (scaled or material is None):
         raise InputError(

@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 # Largest number of strikers, if the chain has as many beads, that is certainly not a mass in grams.
 MAX_STRIKERS: Final = 20
 # Properties of a striker that determine its speed.
-OF_SPEED: Final = {"height": "a height to fall from", "energy": "an energy"}
+OF_SPEED: Final = {
+    "height": "a height to fall from, which determines the speed",
+    "energy": "an energy, which determines the speed",
+    "velocity": "a speed",
+}
 BOOLEANS: Final = {"true": True, "false": False}
 
 
@@ -47,9 +51,7 @@ def struck(chain: Chain, striker: str, speed: str | None, option: str = "--speed
     given = _striker(striker, chain)
     fixed = next((words for key, words in OF_SPEED.items() if key in given), None)
     if fixed is not None and speed is not None:
-        raise click.UsageError(
-            f"--striker {striker!r} has {fixed}, which determines the speed: omit it or {option}"
-        )
+        raise click.UsageError(f"--striker {striker!r} has {fixed}: omit it or {option}")
     if chain.strikers:
         raise click.UsageError("--striker adds strikers, but the file has some: change them there")
     if chain.drive is not None:
@@ -100,12 +102,15 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
             key, value = "diameter", part
         elif found is not None and has_dimension(found[1], "J"):
             key, value = "energy", part
+        elif found is not None and has_dimension(found[1], "m/s"):
+            key, value = "velocity", part
         elif found is None and part[:1].isalpha():
             key, value = "material", _material_of_striker(part, chain)
         else:
             raise click.UsageError(
                 "--striker must be a number of beads like the first, or a mass, a diameter, flat, "
-                f"an energy, a material or height=..., such as --striker '50 g, flat', got {part!r}"
+                "a speed, an energy, a material or height=..., such as --striker '50 g, flat', "
+                f"got {part!r}"
             )
         if key in given:
             raise click.UsageError(f"--striker {text!r} has two values of the {key}: omit one")

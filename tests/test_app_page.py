@@ -1810,7 +1810,7 @@ def test_the_warning_about_dents_is_shown_first(page):
         "The impact velocity, 0.25 m/s, is not used, because strikers hit a chain at rest; enter "
         "the velocity under Strikers"
     )
-    assert "yield at 1.6 Y: the pressure at which contacts yield is assumed to be 1.6" in folded
+    assert "yield at 1.6 Y: the yield pressure is assumed to be 1.6" in folded
 
 
 def test_constant_forces_have_no_times_in_a_comparison(page):

@@ -220,7 +220,7 @@ def test_a_note_states_that_the_pressure_of_a_peak_with_yield_is_assumed():
     row = {"diameters": "12 mm", "beads": 10, "materials": "steel-316", "right_wall": {}}
     for velocity, stated in (("2 m/s", True), ("1 mm/s", False)):
         warnings = computed({"chain": {**row, "velocity": velocity}})["run"][0]["warnings"]
-        note = "peak if contacts yield at 1.6 Y: the pressure at which contacts yield is assumed"
+        note = "peak if contacts yield at 1.6 Y: the yield pressure is assumed"
         assert any(each.startswith(note) for each in warnings) == stated
 
 

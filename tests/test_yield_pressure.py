@@ -156,7 +156,7 @@ def test_simulate_prints_the_range_of_an_assumed_pressure(run):
     assert line.endswith("; values between can be outside this range")
     low, high = (f"{each.sensor_force(3).largest_so_far:.3g}" for each in ends)
     assert f"  sensor in bead 3: {low} to {high} N {words}\n" in out
-    assert "(--loss 'elastic-plastic, factor=2.8'); see \"How certain is a force?\"" in out
+    assert "times is possible (--loss 'elastic-plastic, factor=2.8')\n" in out
     document = json.loads(run("simulate", *ROW, "elastic-plastic", "--json").stdout)
     found = document["yield_pressure_range"]
     assert found["factors"] == [1.6, 2.8]
@@ -178,7 +178,7 @@ def test_there_is_no_range_of_a_given_pressure_or_without_yield(run, loss, speed
 def test_long_chains_state_the_assumption_without_a_second_simulation(run, monkeypatch):
     monkeypatch.setattr("hertzchain.simulation.yield_range.MAX_BEADS", 3)
     out = run("simulate", *ROW, "elastic-plastic").stdout
-    assert "the pressure at which contacts yield is assumed to be 1.6" in out
+    assert "the yield pressure is assumed to be 1.6" in out
     assert "for yield pressures of" not in out
 
 
@@ -200,7 +200,7 @@ def test_values_of_many_chains_share_the_assumption(run, command):
     note = "is assumed to be 1.6 times the yield strength; up to 2.8 times is possible"
     out = run(name, *ROW, "elastic-plastic", *options).stdout
     assert note in out
-    assert "to see it, --loss 'elastic-plastic, factor=2.8'" in out
+    assert "can change their order (--loss 'elastic-plastic, factor=2.8')" in out
     assert note not in run(name, *ROW, FULL, *options).stdout
 
 

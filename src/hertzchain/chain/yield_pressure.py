@@ -15,14 +15,13 @@ if TYPE_CHECKING:
 
 BETWEEN: Final = f"{FIRST_YIELD:g} to {FULLY_PLASTIC:g} times the yield strength"
 ASSUMED_PRESSURE: Final = (
-    f"the pressure at which contacts yield is assumed to be {FIRST_YIELD:g} times the yield "
-    f"strength; up to {FULLY_PLASTIC:g} times is possible"
+    f"the yield pressure is assumed to be {FIRST_YIELD:g} times the yield strength; "
+    f"up to {FULLY_PLASTIC:g} times is possible"
 )
 OTHER_PRESSURE: Final = f"use loss=ElasticPlastic(factor={FULLY_PLASTIC:g})"
 # Beside values of many chains, which share the assumption.
 ASSUMED_FOR_ALL: Final = (
-    f"{ASSUMED_PRESSURE}, which changes all values together, often by more than any scatter, and "
-    f"can reverse the order of chains; to see it, {OTHER_PRESSURE}"
+    f"{ASSUMED_PRESSURE}, which changes all values and can change their order ({OTHER_PRESSURE})"
 )
 
 

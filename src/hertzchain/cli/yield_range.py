@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 # Digits of both ends of a range: more if they would coincide.
 DIGITS: Final = (3, 4, 5, 6)
-PAGE = 'see "How certain is a force?" in the documentation'
 
 
 class Ends(NamedTuple):
@@ -103,7 +102,7 @@ def range_lines(run: Run, other: Run | None, beads: Sequence[int]) -> list[str]:
 
     if not depends_on_yield_pressure(run):
         return []
-    lines = [on_command_line(f"{ASSUMED_PRESSURE} ({OTHER_PRESSURE.removeprefix('use ')}); {PAGE}")]
+    lines = [on_command_line(f"{ASSUMED_PRESSURE} ({OTHER_PRESSURE.removeprefix('use ')})")]
     found = ends_of_range(run, other, beads)
     for each in found:
         so_far = "peak so far " if each.so_far else ""

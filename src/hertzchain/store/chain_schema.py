@@ -333,7 +333,7 @@ _LISTED: Final = (
     Section("chain.with_contacts", "contacts of bodies other than spheres", (_CONTACTS,),
             repeated=True, variant_key="shape", variants=_SHAPES),
     Section("chain.left_wall", "the wall behind bead 1", _WALL, texts=_WALLS_AS_TEXT),
-    Section("chain.right_wall", "the wall in front of the last bead", _WALL,
+    Section("chain.right_wall", "the wall behind the last bead", _WALL,
             texts=_WALLS_AS_TEXT),
     Section("chain.loss", "the law of loss; or one for each contact or pair of materials",
             (_BETWEEN, *_COLLISION), repeated=True, variant_key="law", variants=_LAWS,

@@ -274,6 +274,8 @@ def test_the_time_of_a_genetic_search_is_estimated_with_its_batches(monkeypatch)
     monkeypatch.setattr(Trials, "_values", values)
     monkeypatch.setattr(timing.time, "perf_counter", lambda: clock[0])
     found = dry_run(problem, budget=3000, method="genetic", threads=1)
+    slow = dataclasses.replace(found, trial=0.1098)
+    assert "about 110 ms per trial" in in_lines(problem, slow)
     whole = Trials(problem, budget_from(3000), Journal(None, ""), 0, 1)
     begun = clock[0]
     search(whole, 1.0, 0)

@@ -136,7 +136,7 @@ def instrument() -> Figure:
                     response = lsim(mount, acceleration, run.times)[1] / gravity
                     right.plot(1e3 * run.times, response, color=colour,
                                label=f"part, {frequency} Hz")  # fmt: skip
-        left.set_xlim(100.0, 500.0)
+        left.set_xlim(100.0, 1000.0)
         left.set_ylim(0.5, 500.0)
         label_log_axis(left.yaxis)
         left.set_xlabel("time [µs]")

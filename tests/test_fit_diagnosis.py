@@ -10,11 +10,13 @@ from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces
 
 import hertzchain as hc
 from hertzchain.cli.wording import on_command_line
-from hertzchain.fitting.advice import DEFECTS, LAWS, considered
+from hertzchain.fitting.advice import DEFECTS, LAWS, considered, nothing_explains
 from hertzchain.fitting.constant_causes import with_exponent
 from hertzchain.fitting.diagnosis import without_tested
+from hertzchain.fitting.fit import fit_experiment
 from hertzchain.fitting.fit import fitted as solved
 from hertzchain.fitting.free_causes import with_losses
+from hertzchain.fitting.steps import STEPS
 
 DESCRIBES = "and the model describes the data"
 NOTHING = "none of the effects tested explains the residuals ("
@@ -254,54 +256,35 @@ def test_another_exponent_is_named_rather_than_a_lag():
 
 @pytest.mark.long
 @pytest.mark.parametrize("gap", [0.1e-6, 0.5e-6])
-def test_no_effect_of_sensors_is_named_for_a_gap(gap):
-    result = fitted(gap=gap)
-    (advice,) = result.advice
-    assert advice.startswith(NOTHING)
-    assert "(scan_defects)" in result.summary(width=None)
-    assert "--" not in result.summary(width=None).replace("+-", "")
-    # The chain has a wall, one material, a loss that is free, and sensors in balls.
-    for words in (
-        "alone and in pairs",
-        "order and places",
-        "the stiffness of the walls",
-        "exponent",
-    ):
-        assert words in advice
-    for words in ("the loss", "moduli", "in each shot"):
-        assert words not in advice
-    (rest,) = without_tested(result, DEFECTS, LAWS).advice
+def test_a_small_gap_is_named_and_no_effect_of_sensors(gap):
+    (advice,) = fitted(gap=gap).advice
+    assert advice.startswith("with gap[8-9] = ")
+    assert DESCRIBES in advice
+    assert float(advice.split(" = ")[1].split()[0]) == pytest.approx(1e6 * gap, rel=0.1)
+
+
+def test_causes_that_were_tried_are_listed_in_few_words():
+    row = chain()
+    result = fit_experiment(traces(gap=0.5e-6), row, lambda found, *_: found, free=FREE)
+    advice = nothing_explains(result, [each.words for each in STEPS], ["a level"])
+    assert advice.startswith(f"even with separate offsets, {NOTHING}effects of the sensors, other ")
+    assert len(advice.partition("(")[2].partition("). Consider")[0].split()) < 50
+    assert "(scan_defects)" in advice
+    assert "--" not in advice
+    (rest,) = without_tested(replace(result, advice=(advice,)), DEFECTS, LAWS).advice
     assert rest.endswith(
         "Consider the exponent of the wall, and the sizes and materials of striker, balls and wall"
     )
 
 
 @pytest.mark.long
-def test_causes_that_the_chain_or_the_fit_excludes_are_not_listed():
-    row = chain(right_wall=None)
-    gaps = np.where(np.arange(BALLS) == 8, 0.5e-6, 0.0)
-    run = hc.simulate(row.replace(gaps=gaps), times=np.arange(0.0, 4e-4, 1e-6))
-    force = np.pad(run.sensor(11), (100, 0))
-    force += 0.1 * np.random.default_rng(1).standard_normal(len(force))
-    data = hc.Traces.from_arrays(1e-6 * np.arange(len(force)), {B: force})
-    (advice,) = hc.fit(data, row, free=[*FREE, "exponent"]).advice
-    assert advice.startswith(
-        f"{NOTHING}offsets and gains of the sensor, signs, units and places of"
-    )
-    for words in ("wall", "crosstalk", "delays", "pairs", "order", "the exponent"):
-        assert words not in advice
-    assert advice.endswith("and the sizes and materials of striker and balls")
-
-
-@pytest.mark.long
-def test_levels_before_the_pulse_are_named_even_if_there_is_another_cause():
-    result = fitted(lambda columns: columns | {A: columns[A] + 0.1}, gap=0.5e-6)
-    level, other = result.advice
-    assert level.startswith("before the pulse, ball 5 is at ")
-    assert "the model at 0 N" in level
-    # The mean of 60 to 86 samples of noise 0.1.
-    assert float(level.split(" is at ")[1].split(" N")[0]) == pytest.approx(0.1, abs=0.05)
-    assert other.startswith(f"even with separate offsets, {NOTHING}")
+def test_a_wrong_zero_does_not_hide_a_gap():
+    (advice,) = fitted(lambda columns: columns | {A: columns[A] + 0.1}, gap=0.5e-6).advice
+    assert advice.startswith("with offset[ball 5] = ")
+    assert DESCRIBES in advice
+    offset, gap = (float(advice.split(f"{name}] = ")[1].split()[0]) for name in ("ball 5", "8-9"))
+    assert offset == pytest.approx(0.1, abs=0.02)
+    assert gap == pytest.approx(0.5, rel=0.1)
 
 
 @pytest.mark.long

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 # Causes that other functions test.
 DEFECTS: Final = "gaps, odd balls and a ball of another material (scan_defects)"
 LAWS: Final = "other loss laws (compare_losses)"
-# Effects of single sensors in words; others have the names of their parameters.
-EFFECTS_IN_WORDS: Final = {"offset": "offsets", "gain": "gains", "delay": "delays"}
 
 
 def advice_to_free(names: Sequence[Name], traces: Traces) -> str:
@@ -38,8 +36,8 @@ def advice_to_free(names: Sequence[Name], traces: Traces) -> str:
     return f"add {listed([repr(str(each)) for each in shown])} to the free parameters"
 
 
-def level_advice(result: FitResult) -> tuple[str, ...]:
-    """Notes on sensors whose mean before the pulse is not that of the model."""
+def unequal_levels(result: FitResult) -> dict[str, list[tuple[Name, str]]]:
+    """Offsets that sensors need whose mean before the pulse is not that of the model, and notes."""
     found: dict[str, list[tuple[Name, str]]] = {}
     flat = itertools.chain.from_iterable(result.predicted)
     at_rest = itertools.chain.from_iterable(result.at_rest)
@@ -58,10 +56,15 @@ def level_advice(result: FitResult) -> tuple[str, ...]:
                 f"at {shown_signal(signal.level, signal.unit)}, the model at "
                 f"{shown_signal(shown, signal.unit)}"
             )))  # fmt: skip
+    return found
+
+
+def level_advice(result: FitResult) -> tuple[str, ...]:
+    """Advice on sensors whose mean before the pulse is not that of the model."""
     return tuple(
         f"{notes[0][1]}: check its zero, or "
         f"{advice_to_free([name for name, _ in notes], result.traces)}"
-        for notes in found.values()
+        for notes in unequal_levels(result).values()
     )
 
 
@@ -87,21 +90,12 @@ def nothing_explains(result: FitResult, tried: Iterable[str], levels: Collection
 
     ``levels`` has the advice on zeros, which does not explain all of them.
     """
-    places = [signal.place for signal in result.traces.shots[0].signals]
-    several = len(places) > 1
-    tested = dict.fromkeys(name.key for names in groups_of_effects(result) for name in names)
-    of_sensors = [words for key, words in EFFECTS_IN_WORDS.items() if key in tested]
-    columns = ["signs", "units"] + ["order"] * several
-    columns += ["places"] * any(place.body in ("ball", "bead") for place in places)
-    causes = [
-        f"{listed(of_sensors)} of the sensor{'s, alone and in pairs' if several else ''}"
-        if of_sensors else "",
-        f"{listed(columns)} of the column{'s' * several}", "the unit of the times",
-        *(key for key in tested if key not in EFFECTS_IN_WORDS), *tried,
-        f"starts with {result.scan}" if result.scan else "",
-    ]  # fmt: skip
-    shown = ", ".join(each for each in causes if each)
+    causes = dict.fromkeys((
+        *["effects of the sensors"] * any(groups_of_effects(result)),
+        "other readings of the columns and times", *filter(None, tried),
+    ))  # fmt: skip
     first = "even with separate offsets, " if levels else ""
     return (
-        f"{first}none of the effects tested explains the residuals ({shown}). {considered(result)}"
+        f"{first}none of the effects tested explains the residuals ({', '.join(causes)}). "
+        f"{considered(result)}"
     )

@@ -47,6 +47,8 @@ class Cause:
     row: bool = False
     # Parameters that the fit has in addition.
     names: tuple[Name, ...] = ()
+    # The fit from which this one starts, if it is not that without a cause.
+    base: FitResult | None = None
 
     @property
     def delays(self) -> bool:

@@ -23,7 +23,7 @@ from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, try_further
 from .clocks import fixed_offsets
 from .effect_limits import limited
 from .exchanged_columns import MUCH_BETTER
-from .free_causes import MAX_TRIED, MOST, PROMISING, other_places
+from .free_causes import MAX_TRIED, MOST, PROMISING, after_zeros, free_zeros, other_places
 from .gap_causes import small_gap_causes
 from .goodness import rounded_chi2
 from .misread_columns import misread_columns
@@ -61,10 +61,8 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
         return found
     noise = None if columns else signal_noise_of(result)
     causes, tried = list(columns), dict[str, None]()
-    for step in STEPS:
-        if not any(_settles(result, cause, step) for cause in causes):
-            causes += step.tried(result, start, _noting(refit, step.words, tried))
-    good = [cause for cause in causes if _removed(result, cause.result) > MOST]
+    causes += _further(result, start, refit, columns, tried)
+    good = [each for each in causes if _removed(each.base or result, each.result) > MOST]
     levels = level_advice(result)
     if noise is not None and all(noise.cost < cause.result.chi2 for cause in good):
         return replace(result, advice=(*levels, noise.advice))
@@ -88,12 +86,34 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     return _without_consequences(found) if _is_certain(best) else found
 
 
+def _further(
+    result: FitResult, start: Mapping[str, float], refit: Refit, columns: Sequence[Cause],
+    tried: dict[str, None],
+) -> list[Cause]:  # fmt: skip
+    """Causes that are not readings of columns; ``tried`` gets their kinds in words."""
+    found: list[Cause] = []
+    zeros, base = None, None
+    for step in STEPS:
+        if any(_settles(result, cause, step) for cause in (*columns, *found)):
+            continue
+        if step.with_zeros and base is None:
+            zeros = free_zeros(result, refit)
+            base = result if zeros is None else zeros.result
+        noting = _noting(refit, step.words, tried)
+        if step.with_zeros and zeros is not None and base is not None:
+            found += [after_zeros(zeros, each) for each in step.tried(base, start, noting)]
+        else:
+            found += step.tried(result, start, noting)
+    return found
+
+
 def quickly_diagnosed(
     result: FitResult, start: Mapping[str, float], refit: Refit
 ) -> tuple[FitResult, bool]:
     """A result with advice on misread data or a different row, and whether more is to be tried.
 
-    These causes are tested before a search for defects, which takes as long as all others.
+    These causes are tested before a search for defects, which takes as long as all others, and
+    before the fit is printed.
     """
     if (result.goodness.accepted and not result._implausible) or result.goodness.only_noise:
         return diagnosed(result, start, refit), False
@@ -108,7 +128,7 @@ def quickly_diagnosed(
         if cause.result.describes:
             found = replace(result, advice=(_sentence(result, cause),))
             return (_without_consequences(found) if _is_certain(cause) else found), False
-    return result, True
+    return replace(result, advice=level_advice(result)), True
 
 
 def _of_columns(

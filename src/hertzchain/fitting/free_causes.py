@@ -8,7 +8,9 @@ from dataclasses import replace
 from typing import Final
 
 from ..errors import InputError, SimulationError
+from ..representation import listed
 from ..traces.places import Place
+from .advice import unequal_levels
 from .ball_count_causes import count_between
 from .causes import Cause, Refit, is_free, try_further
 from .law_parameters import names_of_losses
@@ -99,6 +101,26 @@ def with_effects(result: FitResult, _: Mapping[str, float], refit: Refit) -> Ite
     order = sorted(range(len(groups)), key=lambda i: (gained[i] < MOST, len(groups[i]), -gained[i]))
     for i in [i for i in order if gained[i] > PROMISING][:MAX_TRIED]:
         yield from filter(None, [try_further(result, groups[i], refit)])
+
+
+def free_zeros(result: FitResult, refit: Refit) -> Cause | None:
+    """The fit with offsets of the sensors whose zeros are wrong, if these are not free."""
+    if any(each.key == "offset" and not each.item for each in result.model.names):
+        return None
+    names = [name for notes in unequal_levels(result).values() for name, _ in notes]
+    cause = try_further(result, names, refit) if names else None
+    return cause if cause is not None and cause.result.chi2 < result.chi2 else None
+
+
+def after_zeros(zeros: Cause, cause: Cause) -> Cause:
+    """A cause that is found in the fit with other zeros, together with these."""
+    rows = dict(cause.result.rows())
+    what = [*(f"{each} = {rows[str(each)]}" for each in zeros.names), cause.what]
+    return replace(
+        cause, what=listed(what), added=zeros.added + cause.added,
+        advice=f"{zeros.advice}, or correct the zeros, and {cause.advice}", base=zeros.result,
+        names=(*zeros.names, *cause.names),
+    )  # fmt: skip
 
 
 def with_pairs(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

@@ -43,6 +43,9 @@ LEAST_MODULUS: Final = 40e9
 SIMILAR, LESS_LIKELY = 4.0, 64.0
 # The first one is fitted only below this multiple of that with delays, if these describe the data.
 WORSE: Final = 4.0
+# After a fit that is no better, the search ends if the best one keeps more than this part of the
+# chi-squared of the fit with delays.
+POOR: Final = 0.1
 # Balls on each side of the best place at which defects are tried again.
 NEAR: Final = 4
 # Parameters of one ball, whose effects are similar.
@@ -144,6 +147,7 @@ def _fits(base: Base, refit: Refit, tried: set[str]) -> Iterator[Cause]:
     From each better fit, all of them are tried again.
     """
     best: Cause | None = None
+    own_cost = base.own_cost
     for _ in range(MAX_FITS):
         trials = [each for each in _trials(base) if each.label not in tried]
         trial = min(trials, key=lambda each: each.cost, default=None)
@@ -157,6 +161,8 @@ def _fits(base: Base, refit: Refit, tried: set[str]) -> Iterator[Cause]:
         yield from found
         cause = min(found, key=lambda each: each.result.chi2, default=None)
         if cause is None or (best is not None and cause.result.chi2 > best.result.chi2):
+            if best is not None and best.result.chi2 > POOR * own_cost:
+                break
             continue
         best, base = cause, base.moved(cause.result, trial.ball)
 

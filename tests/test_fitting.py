@@ -4,17 +4,22 @@ import dataclasses
 import functools
 import json
 import re
+import subprocess
 import sys
 import warnings
+from signal import SIGINT
+from time import monotonic
 
 import click
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from interruption import PROMPT
 from scipy.integrate import solve_ivp
 from synthetic_traces import bench, measured, recorded, signals
 
 import hertzchain as hc
+from hertzchain.cli.postponed_diagnosis import LOOKING
 from hertzchain.fitting import least_squares
 from hertzchain.fitting.autocorrelation import correlation_length
 from hertzchain.fitting.chain_parameters import value_of, with_motion, with_sizes
@@ -1246,6 +1251,27 @@ def test_walkers_have_the_distribution_of_a_skew_posterior_far_from_that_of_the_
 
 
 @pytest.mark.long
+def test_an_interrupted_diagnosis_keeps_the_fit_and_its_files(tmp_path):
+    _, chain = hc.example_experiment()
+    data, plain, out = chain.parent / "fast.csv", tmp_path / "plain.toml", tmp_path / "fitted.toml"
+    plain.write_text(chain.read_text().partition("[fit]")[0])
+    line = [sys.executable, "-m", "hertzchain", "fit", str(data), str(plain), "--out", str(out)]
+    with subprocess.Popen(
+        line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path
+    ) as process:
+        while LOOKING not in process.stderr.readline():
+            assert process.poll() is None
+        process.send_signal(SIGINT)
+        began = monotonic()
+        shown, rest = process.communicate(timeout=60)
+    assert monotonic() - began < PROMPT
+    assert process.returncode == 130
+    assert "does not describe the data" in shown
+    assert "the fit and its files are complete" in rest
+    assert out.exists()
+
+
+@pytest.mark.long
 def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, command):
     _, chain = hc.example_experiment()
     data, plain = chain.parent / "fast.csv", tmp_path / "plain.toml"
@@ -1254,6 +1280,11 @@ def test_command_reports_a_model_that_does_not_describe_the_data(tmp_path, comma
     assert done.returncode == 3, done.stderr
     assert "the model does not describe the data" in done.stdout
     assert "Warning" not in done.stderr
+    quick = command(data, plain, "--no-diagnosis")
+    assert quick.returncode == 3
+    assert done.stdout.startswith(quick.stdout)
+    assert LOOKING in done.stderr
+    assert LOOKING not in quick.stderr
     done = command(data, chain, "--free", "time_offset", "--prior", "exponent=1.5,0.1")
     assert done.returncode == 2
     assert "has a prior but is not free: add --also-free '" in done.stderr

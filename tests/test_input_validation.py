@@ -184,6 +184,7 @@ def public_calls(folder):
             priors={},
             start={},
             starts=1,
+            diagnose=False,
             progress=None,
         ),
         "compare_losses": tried(

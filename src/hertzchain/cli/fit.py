@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -11,6 +11,7 @@ import click
 
 from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
+from .defect_lines import other_kind, other_place, trying
 from .exit_codes import DONE, FAILED, OUTSIDE_TOLERANCE
 from .fit_options import (
     also_free_option,
@@ -37,7 +38,7 @@ from .options import (
     sensors_option,
 )
 from .output import save_figure, show_json
-from .postponed_diagnosis import PostponedDiagnosis
+from .postponed_diagnosis import PostponedDiagnosis, add_advice, cause_of_misfit
 from .progress import progress_bar
 from .wording import on_command_line
 from .wrapped_text import show_text
@@ -86,6 +87,13 @@ HELD_BACK: Final = (
     "takes 40 to 80 s of processor time for 20 balls and 1800 samples.",
 )
 @click.option(
+    "--diagnosis/--no-diagnosis",
+    "diagnosis",
+    default=True,
+    help="Whether to look for the cause if the model does not describe the data; for 15 balls and "
+    "3000 samples, this takes 1 to 2 min of processor time.  [default: --diagnosis]",
+)
+@click.option(
     "--sample",
     type=int,
     metavar="STEPS",
@@ -104,8 +112,8 @@ def fit(
     files: tuple[Path, ...], sensors: tuple[str, ...], noises: tuple[str, ...], channels: bool,
     free: tuple[str, ...], also_free: tuple[str, ...], priors: tuple[str, ...],
     starting_values: tuple[str, ...], time_offset: tuple[str, ...], begin: str | None,
-    until: str | None, starts: int, laws: str | None, defects: bool, sample: int | None,
-    plot: Path | None, out: Path | None, as_json: bool,
+    until: str | None, starts: int, laws: str | None, defects: bool, diagnosis: bool,
+    sample: int | None, plot: Path | None, out: Path | None, as_json: bool,
 ) -> int:  # fmt: skip
     """Fit a chain and its sensors to measured traces.
 
@@ -121,7 +129,9 @@ def fit(
     follows, and the exit code, --out, --plot and --sample refer to this fit.  The same holds for
     the fit with the best of --laws if the data reject the law of the chain file.  All results are
     printed and written before sampling begins, so only the posterior is lost if sampling is
-    interrupted; with --json, they are printed at the end.
+    interrupted; with --json, they are printed at the end.  If the model does not describe the data,
+    further fits look for the cause after the fit is printed and written; Ctrl-C ends them, and
+    --no-diagnosis omits them.
 
     \b
     Examples:
@@ -151,7 +161,7 @@ def fit(
         "priors": priors_from(priors), "start": start_from(starting_values), "time_offset": known,
     }  # fmt: skip
     postponed = PostponedDiagnosis()
-    result = _first_fit(traces, files[-1], postponed if defects else None, starts, settings)
+    result = _first_fit(traces, files[-1], postponed, starts, settings)
     tested = _tested(laws=laws is not None, defects=defects)
     result = without_tested(result, *tested)
     document = result.as_dict()
@@ -162,16 +172,21 @@ def fit(
     if laws is not None:
         found.result, lines = _laws(result, document, laws, files[-1], settings)
     if defects:
-        found = _searched(found.result, document, tested, postponed)
+        found = _searched(found.result, document, tested, postponed if diagnosis else None)
         lines += found.lines
-    result = found.result
-    # Sampling takes long and may be stopped: everything else is printed and written before.
+    # Sampling and diagnosis take long and may be stopped: the rest is printed and written before.
     if not as_json:
-        if result is not shown:
-            lines.insert(0, "\n".join((*_summary(result, laws), *_pressures(result))))
+        if found.result is not shown:
+            first = (*_summary(found.result, laws), *_pressures(found.result))
+            lines.insert(0, "\n".join(first))
         click.echo(on_command_line(("\n" if shown else "") + "\n\n".join(lines)))
-    _written(found, document, out, plot, sample, as_json=as_json)
-    return _exit_code(result)
+    _write_files(found, out, plot)
+    if diagnosis and not defects and postponed.left and not found.result.describes:
+        advised = cause_of_misfit(found.result, document, postponed, as_json=as_json)
+        found.result = without_tested(advised, *tested)
+        add_advice(found.result, document, first=result, as_json=as_json)
+    _end(found.result, document, sample, plot, as_json=as_json)
+    return _exit_code(found.result)
 
 
 @dataclass
@@ -186,7 +201,7 @@ class Found:
 
 def _searched(
     result: FitResult, document: dict[str, Any], tested: Sequence[str],
-    postponed: PostponedDiagnosis,
+    postponed: PostponedDiagnosis | None,
 ) -> Found:  # fmt: skip
     """Search for defects, unless another cause is known, and for other causes without success."""
     from ..fitting.diagnosis import without_tested
@@ -194,7 +209,7 @@ def _searched(
     if result.explained:
         return Found(result, [HELD_BACK])
     best, scans, lines, fits = _defects(result, document, tested)
-    if not fits:
+    if not fits and postponed is not None:
         advised = without_tested(postponed.diagnosed(result), *tested)
         document |= advised.as_dict()
         lines = [*(each for each in advised.advice if each not in result.advice), *lines]
@@ -202,32 +217,36 @@ def _searched(
 
 
 def _first_fit(
-    traces: Traces, chain: Path, postponed: PostponedDiagnosis | None, starts: int,
+    traces: Traces, chain: Path, postponed: PostponedDiagnosis, starts: int,
     settings: dict[str, Any],
 ) -> FitResult:  # fmt: skip
-    """The fit of the chain of the file; its diagnosis is short if most of it is postponed."""
-    from ..fitting.diagnosis import diagnosed
+    """The fit of the chain of the file, of whose diagnosis most is postponed."""
     from ..fitting.fit import fit_experiment
 
-    diagnose = diagnosed if postponed is None else postponed.quickly
     # The number of simulations is not known in advance.
     with progress_bar("simulations", counted=False) as progress:
-        return fit_experiment(traces, chain, diagnose, starts=starts, progress=progress, **settings)
+        return fit_experiment(
+            traces, chain, postponed.quickly, starts=starts, progress=progress, **settings
+        )
 
 
-def _written(
-    found: Found, document: dict[str, Any], out: Path | None, plot: Path | None,
-    sample: int | None, *, as_json: bool,
-) -> None:  # fmt: skip
-    """Write the files of a fit, sample its posterior, and print all of it as JSON."""
+def _write_files(found: Found, out: Path | None, plot: Path | None) -> None:
+    """Write the fitted chain and the figures of a fit."""
     if out is not None:
         from ..store.writing import write_bytes
 
         write_bytes(out, found.result.chain_toml().encode())
     if plot is not None:
         _save_plots(found.result, plot, found.scans, found.fits)
+
+
+def _end(
+    result: FitResult, document: dict[str, Any], sample: int | None, plot: Path | None, *,
+    as_json: bool,
+) -> None:  # fmt: skip
+    """Sample the posterior, and print the fit as JSON."""
     if sample is not None:
-        posterior = _posterior(found.result, sample, plot)
+        posterior = _posterior(result, sample, plot)
         document["posterior"] = _document(posterior)
         if not as_json:
             click.echo(f"\n{posterior.summary()}")
@@ -329,7 +348,7 @@ def _defects(
     steps = (("gap", "step 1 of 4, contacts tried"), ("bead", "step 2 of 4, balls tried"))
     for kind, what in steps:
         names = defect_names(result, kind)
-        with progress_bar(_trying(what, names), rate=True) as progress:
+        with progress_bar(trying(what, names), rate=True) as progress:
             scans.append(hertzchain.scan_defects(result, kind, progress=progress))
     document["defects"] = [
         {"name": name, "value": float(size), "chi2_improvement": float(gained)}
@@ -340,7 +359,7 @@ def _defects(
     others: dict[str, list[FitResult]] = {}
     for scan, (step, what) in zip(scans, ((3, "gaps"), (4, "odd balls")), strict=True):
         if scan.found:
-            words = _trying(f"step {step} of 4, {what} fitted", candidates_of(scan))
+            words = trying(f"step {step} of 4, {what} fitted", candidates_of(scan))
             with progress_bar(words, rate=True) as progress:
                 found[scan.kind], *others[scan.kind] = fits_of_defect(scan, progress=progress)
     if not found:
@@ -356,44 +375,13 @@ def _defects(
         scans,
         [
             scans[0].summary(width=None),
-            *_other_place(scans[0], best),
+            *other_place(scans[0], best),
             *not_determined(scans[0], best, others[kind]),
-            *(_other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
+            *(other_kind(scan, found.get(scan.kind), best) for scan in scans[1:]),
             f"without {best.names[-1]}: {verdict}",
         ],
         found | {kind: best},
     )
-
-
-def _trying(what: str, names: Sequence[str]) -> Callable[[int], str]:
-    """Description of a progress bar that names the defect being tried."""
-    return lambda done: f"{what}, now {names[done]}" if done < len(names) else what
-
-
-def _other_place(scan: DefectScan, best: FitResult) -> list[str]:
-    """A line if the fits choose another place than the scan, in which other parameters adjust."""
-    name = best.names[-1]
-    if name.partition("[")[2] == scan.best.partition("[")[2]:
-        return []
-    return [
-        f"the fit above has {name}, because fits with one defect at each of the first places have "
-        f"the smallest chi2 with it, {best.chi2:.0f}; the scan is less accurate, because the other "
-        "parameters adjust only linearly in it"
-    ]
-
-
-def _other_kind(scan: DefectScan, fit: FitResult | None, best: FitResult) -> str:
-    """A line on a kind of defect that is not the best one."""
-    from ..fitting.defect_scan import FOUND, WORDS
-
-    what = WORDS[scan.kind][0].removesuffix(" at each of").removesuffix(" of each of")
-    if fit is None:
-        return f"{what}, of {scan.names[0]} to {scan.names[-1]}, explains no more than noise would"
-    name, other = fit.names[-1], best.names[-1]
-    text = f"the best fit with {what} instead, {name}, has chi2 {fit.chi2:.0f}"
-    if fit.chi2 + fit._penalty - best.chi2 - best._penalty < FOUND:
-        return f"not excluded: {text}, and that with {other} {best.chi2:.0f}"
-    return f"rejected: {text}, and that with {other} only {best.chi2:.0f}"
 
 
 def _pressures(result: FitResult) -> list[str]:

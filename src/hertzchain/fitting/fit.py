@@ -19,13 +19,13 @@ from ..traces.spikes import spikes, without_spikes
 from ..traces.traces import Traces, with_time_offset
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
-from ..validation.objects import Progress, callback
+from ..validation.objects import Progress, callback, check_bool
 from .cap_notes import cap_notes
 from .causes import Refit
 from .chain_parameters import following
 from .clocks import clock_notes, with_clocks
 from .coarse_sampling import sampling_notes
-from .diagnosis import as_misread, diagnosed, first_misread
+from .diagnosis import as_misread, diagnosed, first_misread, quickly_diagnosed
 from .flat_valleys import along_valleys
 from .least_squares import Solution, solve, solve_again
 from .misread_columns import inversion_notes
@@ -75,6 +75,7 @@ def fit(
     begin: float | str | None = None,
     until: float | str | None = None,
     starts: int = 4,
+    diagnose: bool = True,
     progress: Progress | None = None,
 ) -> FitResult:
     r"""Fit a chain and its sensors to measured traces.
@@ -128,6 +129,10 @@ def fit(
         Largest number of starts, 1 to 6; more than one is used only if the first fit is poor or has
         not converged.  If a loss is free, a coarse scan over a tenth to five times its start then
         chooses one more start.
+    diagnose : bool
+        Whether further fits look for the cause if the model does not describe the data, which takes
+        some minutes of processor time.  Without them, ``result.advice`` names only wrong columns,
+        another number of balls and the zeros of sensors.
     progress : callable, optional
         Called as ``progress(simulations, 0)`` after each simulation.
 
@@ -155,10 +160,16 @@ def fit(
     >>> result.describes
     True
     """
+    search = diagnosed if check_bool("diagnose", diagnose) else without_search
     return fit_experiment(
-        traces, chain, diagnosed, free=free, priors=priors, start=start, time_offset=time_offset,
+        traces, chain, search, free=free, priors=priors, start=start, time_offset=time_offset,
         begin=begin, until=until, starts=starts, progress=progress,
     )  # fmt: skip
+
+
+def without_search(result: FitResult, start: Mapping[str, float], refit: Refit) -> FitResult:
+    """The result with the advice that is found quickly."""
+    return quickly_diagnosed(result, start, refit)[0]
 
 
 def fit_experiment(

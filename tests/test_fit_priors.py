@@ -299,3 +299,10 @@ def test_priors_on_the_command_line_have_units_of_gains(run, tmp_path):
     assert with_unit == plain
     done = run("fit", data, row, "--free", "gain[ball 11]", "--prior", "gain[ball 11]=0.04 V/N,-1")
     assert "such as 0.3,0.003, got" in done.stderr
+
+
+def test_a_prior_of_a_height_is_converted_in_the_message():
+    # v^2 = 2 g h = 2 * 9.80665 * 0.003, and the relative error of v is half of that of h.
+    words = r"'struck_by.velocity' with the value 0.2426 m/s and the error 0.004 m/s instead"
+    with pytest.raises(hc.InputError, match=words):
+        hc.fit(*hc.example_experiment(), priors={"struck_by.height": ("3 mm", "0.1 mm")})

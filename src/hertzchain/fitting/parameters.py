@@ -11,6 +11,7 @@ from ..chain.chain import Chain
 from ..errors import InputError, short_repr, unknown_name_error
 from ..representation import listed
 from ..traces.traces import Traces
+from ..units import STANDARD_GRAVITY
 from ..validation.numbers import number, real_numbers
 from ..validation.objects import check_list
 from .chain_parameters import (
@@ -211,6 +212,25 @@ def expanded(name: Name, traces: Traces) -> list[Name]:
     return [Name(name.key, item, shot) for shot in shots for item in items]
 
 
+def _check_height(text: object, given: object) -> None:
+    """Reject the prior of a height of fall, and name that of the velocity, v^2 = 2 g h."""
+    if not (isinstance(text, str) and text.partition("@")[0] == "struck_by.height"):
+        return
+    velocity = text.replace("height", "velocity")
+    advice = (
+        f"give {velocity!r} instead, with v = sqrt(2 g h) and the error v/(2 h) times that of h"
+    )
+    if isinstance(given, Sequence) and not isinstance(given, str) and len(given) == 2:
+        height, error = (number(f"prior of {text}", each, unit="m", least=0.0) for each in given)
+        if height > 0.0:
+            speed = math.sqrt(2.0 * STANDARD_GRAVITY * height)
+            advice = (
+                f"give {velocity!r} with the value {speed:.4g} m/s and the error "
+                f"{0.5 * speed * error / height:.2g} m/s instead, from v = sqrt(2 g h)"
+            )
+    raise InputError(f"a height is no parameter of a fit: {advice}")
+
+
 def _checked_priors(
     priors: Priors,
     traces: Traces,
@@ -225,6 +245,7 @@ def _checked_priors(
         )
     found: dict[Name, tuple[float, float]] = {}
     for text, given in priors.items():
+        _check_height(text, given)
         asked = [
             name for name in expanded(parse_name(text), traces)
             if name in names or text not in optional

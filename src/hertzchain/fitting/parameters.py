@@ -228,7 +228,7 @@ def _check_height(text: object, given: object) -> None:
                 f"give {velocity!r} with the value {speed:.4g} m/s and the error "
                 f"{0.5 * speed * error / height:.2g} m/s instead, from v = sqrt(2 g h)"
             )
-    raise InputError(f"a height is no parameter of a fit: {advice}")
+    raise InputError(f"a fit has no parameter for a height: {advice}")
 
 
 def _checked_priors(

@@ -43,8 +43,8 @@ LEAST_MODULUS: Final = 40e9
 SIMILAR, LESS_LIKELY = 4.0, 64.0
 # The first one is fitted only below this multiple of that with delays, if these describe the data.
 WORSE: Final = 4.0
-# After a fit without an improvement, the search ends if the best one keeps more than this part of the
-# chi-squared of the fit with delays.
+# After a fit without an improvement, the search ends if the best one keeps more than this part of
+# the chi-squared of the fit with delays.
 POOR: Final = 0.1
 # Balls on each side of the best place at which defects are tried again.
 NEAR: Final = 4

@@ -2043,12 +2043,14 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         tab.wait_for_selector("#record-note.bad")
         assert "column 'CH1' does not name the place" in tab.text_content("#record-note")
         assert tab.locator("#chart-force .measured").count() == 0
-        tab.fill("#record-sensors", "CH1=ball 4, CH2=wall")
-        tab.press("#record-sensors", "Tab")
-        tab.wait_for_selector("#chart-force .measured")
-        page.settle()
+        # A sensor that a wrong place has added is removed when the place is corrected.
+        for place, sensors in (("ball 6", [6]), ("ball 4", [4])):
+            tab.fill("#record-sensors", f"CH1={place}, CH2=wall")
+            tab.press("#record-sensors", "Tab")
+            tab.locator("#legend-force .key", has_text=f"measured {place}").wait_for()
+            page.settle()
+            assert tab.evaluate("hertzchain.state.view.sensors") == sensors
         assert tab.locator("#chart-force .line.measured").count() == 2
-        assert tab.evaluate("hertzchain.state.view.sensors") == [4]
         # Each trace has an entry, and a colour between that of its sensor and that of the text.
         drawn = [
             (tab.locator("#legend-force .key", has_text=f"measured {place}"),

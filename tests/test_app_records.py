@@ -108,6 +108,12 @@ def test_records_that_cannot_be_compared_say_why(scope):
     measured = header["record"]
     assert not measured["aligned"]
     assert "not aligned: the traces have a sensor in ball 20" in measured["notes"][0]
+    # All sensors in V share a sentence.
+    volts = places_in("TIME=time [s], CH1=ball 20 [V], CH2=wall [V]")
+    volt = keep(record_of_file(scope, volts))["record"]
+    reason, others = computed(LAB, record=volt)["run"][0]["record"]["notes"]
+    assert reason.startswith("not aligned: ")
+    assert others.startswith("ball 20 and wall are in V, and are shown only if they can be")
     # The data are shown at their own times, and can be shifted on the page.
     assert measured["offset"] == 0.0
     assert len(arrays["record.0"]) > 4000

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, Final
 
@@ -16,6 +16,7 @@ from ..fitting.compared_run import run_to_compare
 from ..fitting.shown_values import shown_difference
 from ..fitting.trace_comparison import TraceComparison
 from ..recorded_warnings import ignore_warnings
+from ..representation import listed
 from ..traces.amplitudes import level_of
 from ..traces.coupling import static_force
 from ..traces.places import Place
@@ -52,10 +53,12 @@ def record_curves(
     times, curves = shot.times - offset, []
     near = (times >= -end) & (times <= 2.0 * end) if found is not None else np.isfinite(times)
     arrays: dict[str, Array] = {}
+    if found is None:
+        notes += _unscaled(shot.signals)
     for i, signal in enumerate(shot.signals):
         values, label = _in_newton(chain, signal, found, i)
         if values is None:
-            notes.append(label)
+            notes += [label] if label else []
             continue
         arrays[f"record.times.{i}"], arrays[f"record.{i}"] = _thinned(times[near], values[near])
         static = static_force(signal.place, chain) if found is not None else 0.0
@@ -71,14 +74,15 @@ def record_curves(
 def _in_newton(
     chain: Chain, signal: Signal, found: TraceComparison | None, number: int
 ) -> tuple[Array | None, str]:
-    """Samples as a force and the name of their curve, or a reason why they are not shown."""
+    """Samples as a force and the name of their curve, or a reason why they are not shown.
+
+    The reason is empty for signals that `_unscaled` names.
+    """
     if signal.place.quantity != "force":
         return None, f"{signal.name} is not shown, because it is a velocity"
     label, values = signal.name, signal.values
     if found is None:
-        if signal.calibrated:
-            return values, label
-        return None, f"{signal.name} is in V, and is shown only if it can be aligned and scaled"
+        return (values, label) if signal.calibrated else (None, "")
     resolved = found.traces.shots[0].signals[number]
     if not signal.calibrated:
         scale, model = found.scales[number], found.signals[number]
@@ -97,6 +101,19 @@ def _in_newton(
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
+
+
+def _unscaled(signals: Sequence[Signal]) -> list[str]:
+    """One sentence on the forces in V, which cannot be scaled if the record is not aligned."""
+    names = [
+        each.name for each in signals if each.place.quantity == "force" and not each.calibrated
+    ]
+    if not names:
+        return []
+    verb, they = ("is", "it") if len(names) == 1 else ("are", "they")
+    return [
+        f"{listed(names)} {verb} in V, and {verb} shown only if {they} can be aligned and scaled"
+    ]
 
 
 def _peak(found: TraceComparison, name: str) -> str:

@@ -7,6 +7,9 @@ import { other, own, record, say, state } from "./page.js";
 /** Text of the file, with which places of sensors can be changed. */
 let text = "", problem = "";
 
+/** Balls in which the file that was read last has added sensors. */
+let added = /** @type {number[]} */ ([]);
+
 /** Read a file, or read it again with other places of sensors.
  * @param {(sensors: number[]) => void} changed */
 async function read(changed) {
@@ -14,7 +17,9 @@ async function read(changed) {
     const { balls, ...found } = await host.record({ name: record.name, text, sensors: $("record-sensors").value });
     problem = "";
     Object.assign(record, found, { shift: null });
-    changed([...new Set([...state.view.sensors, ...balls])].slice(-4));
+    const kept = state.view.sensors.filter((each) => !added.includes(each));
+    added = balls.filter((/** @type {number} */ each) => !kept.includes(each));
+    changed([...kept, ...added].slice(-4));
   } catch (error) {
     problem = error instanceof Error ? error.message : String(error);
     record.record = "";

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.cli.fit import _trying
+from hertzchain.cli.defect_lines import trying
 from hertzchain.fitting.defect_fits import candidates_of, fit_of_defect
 from hertzchain.fitting.defect_scan import defect_names
 from hertzchain.plotting.defects import plot_fitted_defects
@@ -60,6 +60,6 @@ def test_without_a_fitted_defect_the_figure_is_that_of_the_scan(scan):
 def test_the_progress_names_the_defect_that_is_tried(scan):
     assert defect_names(scan.result, "bead") == list(scan.names)
     assert defect_names(scan.result, "gap")[:2] == ["gap[0-1]", "gap[1-2]"]
-    words = _trying("defects fitted", candidates_of(scan))
+    words = trying("defects fitted", candidates_of(scan))
     assert words(0) == f"defects fitted, now {scan.best}"
     assert words(len(scan.names)) == "defects fitted"

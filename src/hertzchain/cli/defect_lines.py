@@ -1,4 +1,4 @@
-"""Lines on a search for defects: what is being tried, other places and the other kind."""
+"""Lines on a search for defects: the current trial, other places and the other kind."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..validation.numbers import FRACTION, number
 from .chain import Chain
 
-# Largest standard deviation of the logarithm of the speed.
+# Largest standard deviation of the logarithm of the speed or of a constant of a material.
 MAX_SCATTER: Final = 0.3
 
 
@@ -38,8 +38,8 @@ def at_impact_speed(chain: Chain, speed: object, what: str = "speed") -> Chain:
     return chain.replace(velocities=np.where(moving, value, 0.0))
 
 
-def scatter_of_speed(what: str, value: object) -> float:
-    """Check a standard deviation of the logarithm of the speed."""
+def relative_deviation(what: str, value: object) -> float:
+    """Check a standard deviation of a logarithm, such as that of the speed."""
     whole = isinstance(value, int | float) and MAX_SCATTER < value < 100.0 * MAX_SCATTER
     hint = f"for a scatter of {value:g}%, give '{value:g}%'" if whole else ""
     return number(what, value, unit=FRACTION, above=0.0, most=MAX_SCATTER, hint=hint)

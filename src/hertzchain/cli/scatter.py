@@ -67,11 +67,26 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
     "distributed.",
 )
 @click.option(
+    "--young-scatter",
+    "of_young",
+    metavar="SCATTER",
+    help="Relative standard deviation of Young's modulus, such as 0.05 or 5%, alone or in "
+    "addition.  It is a property of the material, not of a ball: in each random chain, all balls, "
+    "strikers and walls of one material have the same factor, and those of other materials have "
+    "another one.  Logarithms are normally distributed.",
+)
+@click.option(
+    "--yield-scatter",
+    "of_yield",
+    metavar="SCATTER",
+    help="The same for the yield strength, with --loss elastic-plastic.",
+)
+@click.option(
     "--only",
     "some",
     metavar="BEADS",
-    help="Beads that deviate, such as '2:' (all from bead 2 on) or '3:8'.  [default: all but "
-    "strikers]",
+    help="Beads whose diameters and gaps deviate, such as '2:' (all from bead 2 on) or '3:8'.  "
+    "[default: all but strikers]",
 )
 @click.option(
     "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
@@ -84,17 +99,16 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @figure_option("Plot the distribution to FILE.")
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, gaps: str | None,
-    of_speed: str | None, some: str | None, count: int, seed: int, quantity: str | None,
-    until: str | None, as_json: bool, as_csv: bool, plot: Path | None,
+    of_speed: str | None, of_young: str | None, of_yield: str | None, some: str | None, count: int,
+    seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
+    plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if sizes, gaps or speed scatter.
+    """Show how a quantity varies if sizes, gaps, speed or materials scatter.
 
-    Many chains with random diameters, gaps or speeds are simulated, and the distribution of the
-    quantity is printed.  All chains have the materials and walls of the given one and, without
-    --speed-scatter, its speed of the impact.  If there is no
-    striker, bead 1 is the projectile, and its mass scatters, too; use --only "2:" to keep the
-    momentum of the impact.  Without simulations, `hertzchain pulse --method disorder` predicts mean
-    and spread of the leading pulse.
+    Many chains with random deviations are simulated, and the distribution of the quantity is
+    printed.  All else is as in the given chain.  If there is no striker, bead 1 is the projectile,
+    and its mass scatters, too; use --only "2:" to keep the momentum of the impact.  Without
+    simulations, `hertzchain pulse --method disorder` predicts mean and spread of the leading pulse.
 
     \b
     Examples:
@@ -103,20 +117,21 @@ def scatter(
       hertzchain scatter chain.toml --grade 100 --quantity arrival@last --plot arrival.png
       hertzchain scatter chain.toml --gaps 5um
       hertzchain scatter chain.toml --grade 100 --speed-scatter 2%
+      hertzchain scatter chain.toml --young-scatter 5%
     """
     import hertzchain
 
-    from ..chain.impact_speed import scatter_of_speed
     from ..validation.numbers import whole_number
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     if relative is not None and grade is not None:
         raise click.UsageError("give --scatter, such as 1%, or --grade, such as 100, not both")
-    if all(each is None for each in (relative, grade, gaps, of_speed)):
+    others = {"--speed-scatter": of_speed, "--young-scatter": of_young, "--yield-scatter": of_yield}
+    if all(each is None for each in (relative, grade, gaps, *others.values())):
         raise click.UsageError(
             "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um, or "
-            "--speed-scatter, such as 2%"
+            "--speed-scatter, such as 2%, or --young-scatter or --yield-scatter, such as 5%"
         )
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
@@ -124,8 +139,11 @@ def scatter(
     part = None if relative is None else _part(relative, chain)
     name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
     apart = None if gaps is None else length_from("--gaps", gaps, chain)
-    speed = None if of_speed is None else scatter_of_speed("--speed-scatter", as_typed(of_speed))
-    deviations = hertzchain.Scatter(part, grade, samples=count, beads=some, gaps=apart, speed=speed)
+    speed, young, strength = (_deviation(*each) for each in others.items())
+    deviations = hertzchain.Scatter(
+        part, grade, samples=count, beads=some, gaps=apart, speed=speed, young=young,
+        yield_strength=strength,
+    )  # fmt: skip
     with progress_bar("chains simulated") as progress:
         found = hertzchain.distribution(
             chain, name, deviations, until=end, seed=seed, progress=progress
@@ -150,10 +168,18 @@ def _part(text: str, chain: Chain) -> float:
     return relative_scatter("--scatter", as_typed(text), chain=chain, above=0.0)
 
 
+def _deviation(option: str, text: str | None) -> float | None:
+    """A scatter of the speed or of a constant of materials."""
+    from ..chain.impact_speed import relative_deviation
+
+    return None if text is None else relative_deviation(option, as_typed(text))
+
+
 def _document(found: Distribution) -> dict[str, Any]:
     from ..validation.json_types import finite
 
-    given = {key: getattr(found.scatter, key) for key in ("radius", "grade", "gaps", "speed")}
+    causes = "radius", "grade", "gaps", "speed", "young", "yield_strength"
+    given = {key: getattr(found.scatter, key) for key in causes}
     return {
         "scatter": given,
         "quantity": found.quantity,

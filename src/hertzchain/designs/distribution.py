@@ -235,15 +235,16 @@ def distribution(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Distribution:
-    r"""Simulate chains with random deviations of radii, gaps and speed, and collect a quantity.
+    r"""Simulate chains with random deviations, and collect a quantity.
 
     The radius of bead k is :math:`R_k e^{\sigma z_k}` with a standard normal :math:`z_k`, or, for
-    a grade of ISO 3290-1, uniformly distributed within its tolerance.  Materials, walls and the
-    impact are those of the given chain; masses and contacts follow from the radii.  Strikers and
-    caps do not deviate.  Without strikers, bead 1 is the projectile: if its radius deviates, so do
+    a grade of ISO 3290-1, uniformly distributed within its tolerance.  Masses and contacts follow
+    from the radii; all else is as in the given chain.  The radii of strikers and caps do not
+    deviate.  Without strikers, bead 1 is the projectile: if its radius deviates, so do
     the momentum and energy of the impact.  To study the other beads only, use ``beads="2:"``.
     Random gaps are :math:`s |z|` with a standard normal :math:`z`, between beads that deviate.
-    A random speed of the impact is :math:`v e^{\sigma z}`.
+    A random speed of the impact is :math:`v e^{\sigma z}`, and a random modulus or yield strength
+    :math:`E e^{\sigma z}` has one z for all balls, strikers and walls of a material.
 
     Values of a scaled chain are in the units of the chain without deviations.
 

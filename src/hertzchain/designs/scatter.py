@@ -1,4 +1,4 @@
-"""Scatter of manufactured and assembled beads, and the measure of risk that a design minimises."""
+"""Scatter of beads, materials and impacts, and the measure of risk that a design minimises."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.impact_speed import at_other_speeds, check_impact, scatter_of_speed
+from ..chain.impact_speed import at_other_speeds, check_impact, relative_deviation
+from ..chain.random_materials import check_random_materials, with_random_materials
 from ..chain.random_radii import (
     BALL_GRADES,
     check_scatter,
@@ -27,6 +28,8 @@ from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice, check_type, text
 
+# Causes whose scatter is a relative standard deviation, in words.
+_RELATIVE: Final = {"speed": "speed", "young": "modulus", "yield_strength": "yield strength"}
 _CVAR: Final = re.compile(r"cvar(\d\d?)")
 
 
@@ -34,7 +37,7 @@ _CVAR: Final = re.compile(r"cvar(\d\d?)")
 @checked_methods
 @dataclass(frozen=True)
 class Scatter:
-    r"""Random deviations of the radii and gaps, and how a measure is summarised.
+    r"""Random deviations of a chain, and how a measure is summarised.
 
     The deviations are those of `Chain.with_scatter`: all beads but strikers and a cap deviate, and
     samples of a scaled chain are in the units of the chain without deviations.  Gaps are
@@ -60,6 +63,13 @@ class Scatter:
     speed : float, optional
         Standard deviation of the logarithm of the speed of the impact, such as 0.02 or ``"2%"``,
         alone or in addition.  All velocities of a chain are multiplied by the same random factor.
+    young : float, optional
+        Standard deviation of the logarithm of Young's modulus, such as 0.05 or ``"5%"``, alone or
+        in addition, for chains with materials.  It is a property of a material, not of a ball: in
+        each sample, all balls, strikers and walls of one material have the same random factor, and
+        those of different materials have independent ones.  ``beads`` has no effect on it.
+    yield_strength : float, optional
+        The same for the yield strength, if contacts yield (`ElasticPlastic`).
 
     Examples
     --------
@@ -75,17 +85,21 @@ class Scatter:
     beads: Any = None
     gaps: float | str | None = None
     speed: float | None = None
+    young: float | None = None
+    yield_strength: float | None = None
 
     def __post_init__(self) -> None:
         both = self.radius is not None and self.grade is not None
-        given = self.radius, self.grade, self.gaps, self.speed
+        given = self.radius, self.grade, self.gaps, *(getattr(self, key) for key in _RELATIVE)
         if both or all(each is None for each in given):
             raise InputError(
                 "Scatter needs either radius, such as 0.01, or grade, such as 100, or only gaps, "
-                "such as '5 um', or speed, such as 0.02"
+                "such as '5 um', or speed, young or yield_strength, such as 0.02"
             )
-        if self.speed is not None:
-            object.__setattr__(self, "speed", scatter_of_speed("speed of a scatter", self.speed))
+        for key in _RELATIVE:
+            if (value := getattr(self, key)) is not None:
+                spread = relative_deviation(f"{key} of a scatter", value)
+                object.__setattr__(self, key, spread)
         if self.gaps is not None:
             # The chain, which is not known here, decides about the unit.
             checked_size_of_gaps("gaps of a scatter", self.gaps, "m")
@@ -140,21 +154,34 @@ class Scatter:
         check_type("chain", chain, Chain)
         return self._chains(chain, self._draws(whole_number("seed", seed, least=0), chain.beads))
 
+    @property
+    def _of_materials(self) -> dict[str, float]:
+        """Standard deviations of constants of materials."""
+        found = {"young": self.young, "yield_strength": self.yield_strength}
+        return {key: value for key, value in found.items() if value is not None}
+
     def _check(self, chain: Chain) -> float | None:
         """Raise `InputError` if a chain cannot have the scatter; the size of the gaps."""
         if self.speed is not None:
             check_impact(chain)
+        for constant in self._of_materials:
+            check_random_materials(chain, constant)
         return check_scatter(chain, self.radius, self.grade, self.gaps, self.beads)
 
     def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
-        """Random numbers of radii, gaps and the speed, shape (samples, beads, 3)."""
-        shape = (samples or self.samples, beads)
+        """Random numbers of radii, gaps, the speed and materials, shape (samples, beads, 5)."""
+        count = samples or self.samples
         rng = np.random.default_rng(seed)
-        draws = random_draws(rng, shape, self.grade, self.gaps)
-        # Those of radii and gaps do not depend on the speed, which is the same for all beads.
-        of_speed = np.zeros(shape[0]) if self.speed is None else rng.standard_normal(shape[0])
-        repeated = np.broadcast_to(of_speed[:, np.newaxis, np.newaxis], (*shape, 1))
-        return np.concatenate((draws, repeated), axis=-1)
+        # Walls can have two further materials.
+        rows = beads + 2 if self._of_materials else beads
+        draws = np.zeros((count, rows, 5))
+        draws[:, :beads, :2] = random_draws(rng, (count, beads), self.grade, self.gaps)
+        # Those of radii and gaps depend neither on the speed nor on materials.
+        if self.speed is not None:
+            draws[:, :, 2] = rng.standard_normal(count)[:, np.newaxis]
+        if self._of_materials:
+            draws[:, :, 3:] = rng.standard_normal((count, rows, 2))
+        return draws
 
     def _chains(self, chain: Chain, draws: Array) -> list[Chain]:
         """The chain with deviations; a shorter chain has the first draws of each row."""
@@ -162,7 +189,12 @@ class Scatter:
         chains = with_deviations(
             chain, draws[:, : chain.beads], self.radius, self.grade, gaps, self.beads
         )
-        return chains if self.speed is None else at_other_speeds(chains, self.speed, draws[:, 0, 2])
+        if self.speed is not None:
+            chains = at_other_speeds(chains, self.speed, draws[:, 0, 2])
+        if not self._of_materials:
+            return chains
+        spreads = {"young": self.young or 0.0, "yield_strength": self.yield_strength or 0.0}
+        return with_random_materials(chains, spreads, draws[..., 3:])
 
     def _in_words(self, units: str) -> str:
         """Such as ``1% scatter, random gaps (5 um)``."""
@@ -174,8 +206,9 @@ class Scatter:
         size = self.gaps
         if isinstance(size, float | int):
             size = with_unit(size, "m", units)
-        speed = "" if self.speed is None else f"speed +-{100.0 * self.speed:.3g}%"
-        return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "", speed)))
+        given = ((words, getattr(self, key)) for key, words in _RELATIVE.items())
+        others = [f"{key} +-{100.0 * value:.3g}%" for key, value in given if value is not None]
+        return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "", *others)))
 
     @property
     def statistic(self) -> str:

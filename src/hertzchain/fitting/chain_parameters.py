@@ -16,6 +16,7 @@ import numpy as np
 from ..chain.chain import Chain
 from ..chain.drives import with_factor
 from ..chain.laws import Loss
+from ..chain.random_materials import named_materials
 from ..chain.striker_properties import face_radii
 from ..chain.walls import Wall
 from ..collision import HERTZ_EXPONENT, Array
@@ -34,7 +35,7 @@ from .law_parameters import (
     walls_with_own_laws,
 )
 from .loss_values import changed_losses, contact_index
-from .material_parameters import constant_of, named_materials, with_constants
+from .material_parameters import constant_of, with_constants
 from .names import ENDS, Name
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from ..chain.chain import Chain
-from .material_parameters import named_materials
+from ..chain.random_materials import named_materials
 from .names import Name
 from .parameters import Parameter
 

@@ -35,6 +35,8 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("distribution", "beads"): 'scatter=Scatter(..., beads="2:")',
         ("distribution", "gaps"): 'scatter=Scatter(gaps="5 um")',
         ("distribution", "speed"): "scatter=Scatter(speed=0.02)",
+        ("distribution", "young"): "scatter=Scatter(young=0.05)",
+        ("distribution", "yield_strength"): "scatter=Scatter(yield_strength=0.1)",
         ("Scatter", "relative"): "radius=0.01",
         ("Scatter", "scatter"): "radius=0.01",
         ("Scatter", "diameter"): "radius=0.01, which is also the scatter of the diameter",

@@ -41,11 +41,12 @@ def test_traces_show_signals_noise_and_notes():
         assert signal.name in text
     assert "1 sample of wall in shot 1 is missing" in text
     # Two shots with more sensors than are drawn.
-    more = dict(columns) | {"ball 2 [N]": columns["wall [N]"], "ball 3 [N]": columns["wall [N]"]}
+    more = dict(columns) | {f"ball {n} [N]": columns["wall [N]"] for n in (1, 3, 4, 6, 7)}
     several = hc.Traces.from_arrays(times, more) + data
     text, figures = parsed(several)
-    assert figures == 3
-    assert "The first 3 of 5 sensors" in text
+    assert figures == 6
+    hidden = len(several.shots[0].signals) - 6
+    assert f"{hidden} more sensors are not shown here; plot() shows all." in text
 
 
 def test_comparisons_show_the_table_of_their_summary():
@@ -59,11 +60,18 @@ def test_comparisons_show_the_table_of_their_summary():
 
 def test_fits_show_parameters_verdict_and_notes(result):
     text, figures = parsed(result)
-    assert figures == 3
+    # Each sensor has a figure of data and fit, and one of the residuals.
+    assert figures == 6
+    assert text.count("residual over time") == 3
     for name, row in result.rows():
         assert f"{name} {row}" in text
+    # Whether the model describes the data is stated first, as in the summary.
     verdict = result.verdict
-    assert f"{verdict[0].upper()}{verdict[1:]}." in text
+    assert verdict in result.summary(width=None)
+    stated = text.index(f"{verdict[0].upper()}{verdict[1:]}.")
+    assert stated < text.index("residual / noise")
+    wrong = hc.fit(traces(), chain(), free=["time_offset"], diagnose=False)
+    assert "the model does not describe the data. The errors below have" in parsed(wrong)[0]
     # Names of parameters remain as they are typed in ``free``.
     names = {*result.names, *(each.name for each in result.constants)}
     typed = [note for note in result.warnings if note.split()[0] in names or "." in note.split()[0]]

@@ -280,7 +280,8 @@ def _axes(frame: _Frame, x_label: str, y_label: str) -> str:
 def _levels(frame: _Frame) -> list[tuple[float, str]]:
     """Values at which the vertical axis has a line, and their names."""
     if not frame.log:
-        levels = ticks(frame.low, frame.high)
+        # Numbers need 13 px each.
+        levels = ticks(frame.low, frame.high, min(6, (frame.floor - MARGINS[2]) // 13))
         return [(level, re.sub(r"e\+?(-?)0*", r"e\1", f"{level:.4g}")) for level in levels]
     step = max(1, math.ceil((frame.high - frame.low) / 5.0))
     powers = range(int(frame.low), int(frame.high) + 1, step)
@@ -320,12 +321,12 @@ def _curve(curve: Curve, frame: _Frame) -> str:
     )
 
 
-def thinned(x: Array, y: Array) -> tuple[Array, Array]:
+def thinned(x: Array, y: Array, columns: int = COLUMNS) -> tuple[Array, Array]:
     """Lowest and highest point of each column of a figure, in their order."""
-    if len(x) <= 2 * COLUMNS:
+    if len(x) <= 2 * columns:
         return x, y
     kept = {0, len(x) - 1}
-    for part in np.array_split(np.arange(len(x)), COLUMNS):
+    for part in np.array_split(np.arange(len(x)), columns):
         known = part[np.isfinite(y[part])]
         if len(known):
             kept |= {int(known[np.argmin(y[known])]), int(known[np.argmax(y[known])])}

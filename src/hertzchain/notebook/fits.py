@@ -10,6 +10,7 @@ import numpy as np
 from ..collision import Array
 from ..fitting.defect_scan import DefectScan
 from ..fitting.forecast import Forecast
+from ..fitting.goodness import NO_ERRORS
 from ..fitting.loss_comparison import LossComparison
 from ..fitting.posterior import Posterior
 from ..fitting.result import FitResult
@@ -20,6 +21,7 @@ from ..traces.signals import Shot
 from ..traces.traces import Traces
 from .drawing import (
     COLOURS,
+    COLUMNS,
     Curve,
     axis_unit,
     chart,
@@ -30,14 +32,20 @@ from .drawing import (
     page,
     sentence,
     table,
+    thinned,
 )
 
-# Sensors whose signals are drawn, and the height of the figure of each of several.
-MAX_SENSORS: Final = 3
+# Sensors whose signals are drawn, and the heights of the figures of each of several.
+MAX_SENSORS: Final = 6
 HEIGHT: Final = 130
+RESIDUAL_HEIGHT: Final = 100
 # Approximate number of points of a simulated curve, which is smooth.
 MODEL_POINTS: Final = 200
-MEASURED, MODEL = COLOURS[0], COLOURS[1]
+# Columns of all figures of signals, in each of which the smallest and the largest sample are drawn,
+# and of all figures of residuals.
+SIGNAL_COLUMNS: Final = 450
+RESIDUAL_COLUMNS: Final = 200
+MEASURED, MODEL, RESIDUAL = COLOURS[0], COLOURS[1], COLOURS[2]
 
 
 def traces_html(traces: Traces) -> str:
@@ -82,16 +90,18 @@ def trace_comparison_html(found: TraceComparison) -> str:
 
 
 def fit_html(result: FitResult) -> str:
-    """Data and fit of the first sensors, the parameters, the verdict and all notes."""
+    """The verdict, data, fit and residuals of the first sensors, the parameters and all notes."""
+    residuals = [values for shot, _, values in result.residuals() if shot == 1]
+    verdict = result.verdict.replace(NO_ERRORS, NO_ERRORS.replace("above", "below"))
     per_sample = result.chi2_per_sample
     about = f"{counted(len(result.names), 'parameter')} from {result.traces.samples} samples"
     return page(
-        "FitResult", about,
-        legend((("data", MEASURED), ("fit", MODEL))),
-        *_figures(result.traces.shots[0], result.predicted[0]),
+        "FitResult", about, *_notes((verdict,), _names(result)),
+        legend((("data", MEASURED), ("fit", MODEL), ("residual / noise", RESIDUAL))),
+        *_figures(result.traces.shots[0], result.predicted[0], residuals),
         table(("parameter", "value"), result.rows()),
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
-        *_notes((result.verdict, *result.warnings, result._loss_note), _names(result)),
+        *_notes((*result.warnings, result._loss_note), _names(result)),
     )  # fmt: skip
 
 
@@ -143,22 +153,29 @@ def posterior_html(posterior: Posterior) -> str:
     return page("Posterior", about, rows, *_notes(filter(None, [posterior._too_short()])))
 
 
-def _figures(shot: Shot, models: Sequence[Array | None]) -> list[str]:
-    """Signals and models of the first sensors over time."""
+def _figures(
+    shot: Shot, models: Sequence[Array | None], residuals: Sequence[Array] = ()
+) -> list[str]:
+    """Signals, models and residuals of the first sensors over time."""
     factor, second = axis_unit(shot.times, "s", "SI")
     pairs = list(zip(shot.signals, models, strict=True))
-    parts = []
-    for signal, model in pairs[:MAX_SENSORS]:
+    time, parts, count = f"time{second}", [], min(len(pairs), MAX_SENSORS)
+    times, columns = factor * shot.times, min(SIGNAL_COLUMNS // count, COLUMNS)
+    for i, (signal, model) in enumerate(pairs[:MAX_SENSORS]):
         unit, label = axis_unit(signal.values, signal.unit, "SI")
         seen = np.where(signal.valid, signal.values, np.nan)
         broad = model is not None
-        curves = [Curve(factor * shot.times, unit * seen, "data", MEASURED, broad=broad)]
+        curves = [Curve(*thinned(times, unit * seen, columns), "data", MEASURED, broad=broad)]
         if model is not None:
             kept = slice(None, None, max(len(model) // MODEL_POINTS, 1))
-            curves.append(Curve(factor * shot.times[kept], unit * model[kept], "", MODEL))
-        parts.append(chart(curves, f"time{second}", f"{signal.name}{label}", height=HEIGHT))
-    if len(pairs) > MAX_SENSORS:
-        parts.append(note(f"The first {MAX_SENSORS} of {len(pairs)} sensors; plot() shows all."))
+            curves.append(Curve(times[kept], unit * model[kept], "", MODEL))
+        parts.append(chart(curves, time, f"{signal.name}{label}", height=HEIGHT))
+        if residuals:
+            curve = Curve(*thinned(times, residuals[i], RESIDUAL_COLUMNS // count), "", RESIDUAL)
+            parts.append(chart([curve], time, "residual", height=RESIDUAL_HEIGHT))
+    if (hidden := len(pairs) - MAX_SENSORS) > 0:
+        text = f"{counted(hidden, 'more sensor')} {'is' if hidden == 1 else 'are'} not shown here"
+        parts.append(note(f"{text}; plot() shows all."))
     return parts
 
 

@@ -274,7 +274,7 @@ def test_laws_of_yield_have_their_own_limit_of_overlaps():
     near = hc.hertz_range(chain, run.largest_overlaps)
     assert 0.01 < near.overlap_ratio.max() < 0.1
     assert near.violations == ()
-    assert "(limit 0.1 of contacts that yield); above 0.01" in near._remark
+    assert "(limit of contacts that yield: 0.1); above 0.01" in near._remark
     assert "(limit 0.1)" in str(near)
     table = hc.simulate_many([chain, row(200.0)], until=1e-5)
     assert table.outside_range.tolist() == [False, True]

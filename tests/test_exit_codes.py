@@ -37,6 +37,19 @@ def run(run, monkeypatch, tmp_path):
     return run
 
 
+def test_errors_of_values_have_no_lines_about_the_usage(run):
+    for command in (
+        ("pulse", "--rate", 0.05),
+        ("simulate", "--material", "steel-52100", "--diameter", 20),
+        ("simulate", "--material", "stel", "--diameter", "20 mm"),
+        ("pulse", "--beads", "many"),
+    ):
+        code, out, err = run(*command)
+        assert (code, out) == (2, "")
+        assert err.startswith("Error: ")
+    assert run("pulse", "--bead", 5)[2].startswith("Usage: ")
+
+
 def test_a_place_that_cannot_be_written_is_bad_input(run):
     for name in ("dir.csv", "dir.svg"):
         Path(name).mkdir()

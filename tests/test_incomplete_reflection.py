@@ -1,5 +1,6 @@
 """Reflection coefficients of weak reflectors in runs that end before the wave has returned."""
 
+import re
 import warnings
 
 import numpy as np
@@ -62,6 +63,19 @@ def test_a_momentum_that_has_not_passed_is_named_when_it_is_read(train):
     late = train.reflection(50, 75)
     assert late.transmitted_momentum == pytest.approx(0.9813, abs=1e-4)
     assert "not complete" not in repr(late)
+
+
+def test_a_few_percent_of_momentum_on_its_way_are_stated():
+    chain = hc.Chain.from_radii(np.where(np.arange(120) == 59, 2.0, 1.0))
+    early, late = (
+        hc.simulate(chain, until=until, times=3000).reflection(45, 75, until=until)
+        for until in (150.0, 170.0)
+    )
+    (stated,) = re.findall(r"momentum 1\.63\d\d \(up to (\S+) more\)", repr(early))
+    assert float(stated) == pytest.approx(early.momentum_on_its_way[1], abs=5e-5)
+    assert 0 < late.transmitted_momentum - early.transmitted_momentum <= float(stated)
+    assert max(map(len, repr(early).splitlines())) <= 100
+    assert repr(early).count("more") == 1
 
 
 def test_sweeps_mark_momenta_that_are_not_complete():

@@ -254,7 +254,7 @@ def test_a_small_excess_of_the_pressure_states_the_loss_of_velocity(speed):
 
 
 def test_the_limit_is_called_cautious_for_polymers_only():
-    words = "(limit 1 of Hertz's law, which is a cautious limit for polymers)"
+    words = "(limit of Hertz's law: 1, cautious for polymers)"
     for name, wall, cautious in (
         ("ptfe", None, True), ("ptfe", "steel-52100", True), ("aluminium", None, False),
     ):  # fmt: skip
@@ -333,7 +333,7 @@ def test_a_contact_of_given_stiffness_yields_at_the_force_of_its_materials():
         assert found.yield_ratio[2] == pytest.approx(part, rel=1e-9)
         assert len(found.violations) == (part > 1.0)
     (violation,) = found.violations
-    assert "at contact 2 (limit 1 of Hertz's law) for spheres of these materials" in violation
+    assert "at contact 2 (limit of Hertz's law: 1) for spheres of these materials" in violation
     assert "loss=ElasticPlastic(yield_overlap=...)" in violation
 
 
@@ -341,10 +341,10 @@ def test_the_material_that_yields_is_named():
     wall = hc.Wall.of("steel-304")
     row = Chain.from_materials(3e-3, STEEL, beads=2, velocity=0.05, right_wall=wall)
     (pressure, *_) = hc.hertz_range(row).violations
-    assert "at the right wall, where steel-304 yields (limit 1 of Hertz's law)" in pressure
+    assert "at the right wall in steel-304 (limit of Hertz's law: 1)" in pressure
     # Two equal bodies yield together.
     equal = hc.hertz_range(row.replace(velocities=[2.0, 0.0], right_wall=None)).violations[0]
-    assert "at contact 1 (limit 1 of Hertz's law)" in equal
+    assert "at contact 1 (limit of Hertz's law: 1)" in equal
 
 
 def advice_on_yield(chain):
@@ -445,7 +445,7 @@ def test_no_velocity_is_advised_for_overlaps_of_contacts_that_yield():
     dented = soft.replace(loss=hc.ElasticPlastic())
     overlap = hc.hertz_range(dented, [3e-4] * 3).violations[0]
     assert overlap.endswith(
-        "(limit 0.1 of contacts that yield); beyond 0.1, forces are not a prediction; reduce the "
+        "(limit of contacts that yield: 0.1); beyond 0.1, forces are not a prediction; reduce the "
         "velocity"
     )
     assert "reduce the velocity to about " in hc.hertz_range(soft, [1e-4] * 3).violations[-1]
@@ -528,7 +528,7 @@ def test_a_name_of_several_words_follows_the_beads():
 
 def test_a_velocity_that_is_far_away_is_no_advice():
     """Twice the pressure at yield needs 0.18 of the velocity, and 1.4 times it 0.43."""
-    for speed, said in ((0.7, "reduce the velocity to about"), (3.0, "contacts yield: use loss=")):
+    for speed, said in ((0.7, "reduce the velocity to about"), (3.0, "; use loss=")):
         chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=5, velocity=speed)
         (first, *_) = hc.hertz_range(chain).violations
         assert said in first

@@ -428,7 +428,7 @@ def test_labels_state_what_differs():
     methods = hc.plot_pulses([hc.bca(tapers[0]), hc.propagate(tapers[0])])
     assert legend_texts(methods) == ["BCA", "propagation", "last bead (free end)"]
     assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
-    alone = hc.plot_pulses([hc.bca(tapers[0])])
+    alone = hc.plot_pulses(hc.bca(tapers[0]))
     assert (legend_texts(alone), alone.get_title()) == (["BCA"], methods.get_title())
     given = hc.plot_pulses([hc.bca(chain) for chain in tapers], labels=["a", "b", "$q_1$"])
     assert legend_texts(given) == ["a", "b", "$q_1$"]

@@ -227,6 +227,15 @@ def test_a_table_of_pulses_is_no_pulse():
         hc.bca(TAPER).compare(table)
 
 
+def test_errors_of_comparisons_name_what_helps():
+    pulse = hc.propagate(TAPER)
+    with pytest.raises(hc.InputError, match=r"got Run.*; that of a run is run\.pulse\(\)"):
+        pulse.compare(hc.simulate(TAPER, until=5.0))
+    with pytest.raises(hc.InputError, match="did you mean 'velocity'") as unknown:
+        hc.bca(TAPER).compare(pulse).worst("veloc")
+    assert "velocity_" not in str(unknown.value)
+
+
 # Checks of a copy of the package with an additional quantity.
 EVERYWHERE = """
 import json, sys

@@ -226,13 +226,13 @@ def test_runs_state_the_largest_pressure_below_yield(speed, run):
     assert (code, err) == (0, "")
     expected = isolated_pressure(5e-3, speed)
     line = pressure_line(out)
-    assert line == f"pressure / yield {expected:.2g} at contact 1 (limit 1 of Hertz's law)"
+    assert line == f"pressure / yield {expected:.2g} at contact 1 (limit of Hertz's law: 1)"
 
 
 def test_the_largest_pressure_may_be_at_the_wall(run):
     balls = ("--material", "steel-52100", "--diameter", "10 mm", "--beads", "2", "--wall", "rigid")
     _, out, _ = run("simulate", *balls, "--speed", "0.1 m/s")
-    assert "at the right wall (limit 1" in pressure_line(out)
+    assert "at the right wall (limit of Hertz's law: 1" in pressure_line(out)
 
 
 @pytest.mark.filterwarnings("default::hertzchain.ModelRangeWarning")

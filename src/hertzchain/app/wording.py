@@ -23,7 +23,7 @@ WORDINGS: Final = (
     # Limits of polymers are cautious: exceeding them need not have this effect.
     # All forces of the page are those of a simulation.
     (r"^simulation: ", ""),
-    (r"^pressure / yield is (?!.*cautious limit)",
+    (r"^pressure / yield is (?!.*cautious for polymers)",
      "contacts would be dented, and forces may be lower: pressure / yield is "),
     (r"\bgive materials, such as materials='([^']*)'", r"choose a material, such as \1"),
     (r"^\[chain\] has velocity and also velocities: omit one",

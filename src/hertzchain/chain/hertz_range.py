@@ -183,8 +183,9 @@ class HertzRange:
         if not MAX_OVERLAP_RATIO < ratio <= limit:
             return ""
         return (
-            f"overlap / radius is {ratio:.2g} at {_place(at, self)} (limit {limit:g} of "
-            f"{law_of_limit(limit)}); above {MAX_OVERLAP_RATIO:g}, Hertz's law is less accurate"
+            f"overlap / radius is {ratio:.2g} at {_place(at, self)} (limit of "
+            f"{law_of_limit(limit)}: {limit:g}); above {MAX_OVERLAP_RATIO:g}, "
+            "Hertz's law is less accurate"
         )
 
     @property
@@ -201,10 +202,10 @@ class HertzRange:
             exceed = "contact exceeds" if others == 1 else "contacts exceed"
             besides = f", and {others} more {exceed} it" if others else ""
             digits = 3 if ratio > 1.05 else 5
-            cautious = ", which is a cautious limit for polymers" if self.soft[at] else ""
+            cautious = ", cautious for polymers" if self.soft[at] else ""
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{self._yields(at)} "
-                f"(limit 1 of Hertz's law{cautious}){self._basis(at)}{besides}; "
+                f"(limit of Hertz's law: 1{cautious}){self._basis(at)}{besides}; "
                 f"{self._excess(ratio)}{self._against_yield(at, digits, linear=linear)}"
             )
         at = self._most_squeezed
@@ -214,14 +215,14 @@ class HertzRange:
             digits = 2 if ratio > 1.05 * limit else 4
             found.append(
                 f"overlap / radius is {ratio:.{digits}g} at {_place(at, self)} "
-                f"(limit {limit:g} of {law_of_limit(limit)}){self._basis(at)}"
+                f"(limit of {law_of_limit(limit)}: {limit:g}){self._basis(at)}"
                 f"{far if ratio > NO_PREDICTION else ''}; {advice}"
                 f"{self._slower((ratio / limit) ** -1.25)}"
             )
         if self.speed_ratio > MAX_SPEED_RATIO:
             found.append(
-                f"speed / sound is {self.speed_ratio:.2g} (limit {MAX_SPEED_RATIO:g} of Hertz's "
-                "law); reduce the velocity"
+                f"speed / sound is {self.speed_ratio:.2g} (limit of Hertz's law: "
+                f"{MAX_SPEED_RATIO:g}); reduce the velocity"
             )
         return tuple(found)
 
@@ -232,12 +233,14 @@ class HertzRange:
         if not 0.0 < (ratio := self.yield_ratio[at]) <= 1.0:
             return ""
         digits = 2 if ratio < 0.95 else 4
-        return f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} (limit 1 of Hertz's law)"
+        return (
+            f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} (limit of Hertz's law: 1)"
+        )
 
     def _yields(self, contact: int) -> str:
         """The material that yields at a contact of two materials."""
         name = self.yielding[contact]
-        return f", where {name} yields" if name else ""
+        return f" in {name}" if name else ""
 
     def _excess(self, ratio: float) -> str:
         """How little the contact yields, if the pressure exceeds its limit only slightly."""
@@ -254,7 +257,7 @@ class HertzRange:
         if law and np.nan_to_num(self.overlap_ratio).max() > NO_PREDICTION:
             return f"{self._advice(ratio, static, 1.0, digits)}{OTHER_MATERIAL}"
         if law and self.speed and ratio**-2.5 * FAR_AWAY < 1.0:
-            return f"contacts yield: {law.removeprefix(' or ')}"
+            return law.removeprefix(" or ")
         return f"{self._advice(ratio, static, 1.0, digits)}{self._slower(ratio**-2.5)}{law}"
 
     def _law_with_yield(self, contact: int) -> str:

@@ -118,7 +118,11 @@ def main() -> None:
             prepare_environment()
             code = cli.main(standalone_mode=False)
     except click.ClickException as error:
-        error.show()
+        # Errors of values need no lines about the usage, like those of the library.
+        if type(error) in (click.UsageError, click.BadParameter):
+            click.echo(f"Error: {error.format_message()}", err=True)
+        else:
+            error.show()
         code = error.exit_code
     except (click.Abort, KeyboardInterrupt):
         click.echo("interrupted", err=True)

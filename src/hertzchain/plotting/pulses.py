@@ -76,7 +76,7 @@ LOTS: Final = "± one standard deviation"
 
 @checked_arguments("plot_pulses")
 def plot_pulses(
-    pulses: Sequence[Pulse],
+    pulses: Pulse | Sequence[Pulse],
     quantity: str = "velocity",
     *,
     labels: Sequence[str] | None = None,
@@ -102,8 +102,8 @@ def plot_pulses(
 
     Parameters
     ----------
-    pulses : sequence of Pulse
-        Pulses to compare.
+    pulses : Pulse or sequence of Pulse
+        Pulses to compare, or one.
     quantity : str
         ``"velocity"``, ``"momentum"``, ``"energy"``, ``"arrival"``, ``"peak_force"`` or another
         name in ``columns()`` of the pulses, or ``"speed"``.
@@ -229,8 +229,9 @@ def _finish(axes: Axes, lower: Axes | None, *, legend: bool, own: bool) -> None:
         shrink_to_height(lower)
 
 
-def _checked(pulses: Sequence[Pulse], quantity: str) -> list[Pulse]:
-    checked = [checked_pulse("pulse", each) for each in check_list("pulses", pulses, "pulses")]
+def _checked(pulses: Pulse | Sequence[Pulse], quantity: str) -> list[Pulse]:
+    given = [pulses] if isinstance(pulses, Pulse) else check_list("pulses", pulses, "pulses")
+    checked = [checked_pulse("pulse", each) for each in given]
     if not checked:
         raise InputError("plot_pulses requires at least one pulse")
     if not isinstance(quantity, str):

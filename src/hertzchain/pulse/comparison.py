@@ -17,7 +17,7 @@ from ..validation.objects import check_bool, check_choice
 from .chain_units import in_same_units, same_beads
 from .free_end import ends_free
 from .pulse import EFFECTIVE_CHAIN, Pulse, checked_pulse
-from .quantities import ON_REQUEST, QUANTITIES
+from .quantities import COLUMN_QUANTITIES, ON_REQUEST, QUANTITIES
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -110,6 +110,8 @@ class Comparison:
         >>> pulse.compare(pulse).errors("velocity")
         array([0., 0., 0.])
         """
+        if quantity not in COLUMN_QUANTITIES:
+            check_choice("quantity", quantity, self.quantities)
         ours, theirs = self.pulse._predicted(quantity), self.reference._predicted(quantity)
         return (ours - theirs) / np.where(theirs == 0.0, 1.0, theirs)
 

@@ -432,7 +432,9 @@ class Pulse(Columns):
 def checked_pulse(name: str, given: Any) -> Pulse:
     """A pulse, also from that of an effective chain."""
     pulse = given._as_pulse() if hasattr(given, "_as_pulse") else given
-    check_type(name, pulse, Pulse, "propagate and the theories return one")
+    of_run = "that of a run is run.pulse()"
+    hint = of_run if hasattr(pulse, "pulse") else "propagate and the theories return one"
+    check_type(name, pulse, Pulse, hint)
     return pulse
 
 

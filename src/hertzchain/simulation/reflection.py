@@ -23,6 +23,8 @@ WIDE: Final = 5e-3
 # Momentum that may be on its way to a contact, relative to the momentum counted there and, at
 # least, to the incident momentum: slow beads behind a pulse carry some of it for a long time.
 SLOW, LEAST_SLOW = 0.1, 0.02
+# The same, above which it is part of the representation.
+SHOWN_SLOW, LEAST_SHOWN = 0.01, 0.002
 # Number of contacts over which a wave extends.
 WIDTH: Final = 5
 
@@ -220,10 +222,10 @@ class Reflection(Compared):
             for name, events in parts.items()
         }
 
-    def _coming(self, part: str) -> float:
+    def _coming(self, part: str, relative: float = SLOW, least: float = LEAST_SLOW) -> float:
         """Momentum on its way to the contact of a part, if it is relevant; 0 otherwise."""
         coming = self.momentum_on_its_way[part == "transmitted"]
-        return coming if coming > max(SLOW * self._momenta[part], LEAST_SLOW) else 0.0
+        return coming if coming > max(relative * self._momenta[part], least) else 0.0
 
     def _warn_incomplete(self, part: str) -> None:
         """Warn if beads still carry a relevant momentum towards the contact."""
@@ -241,8 +243,10 @@ class Reflection(Compared):
         )
 
     def _momentum_in_words(self, part: str) -> str:
-        """Such as ``momentum 0.7641 (not complete)``."""
-        state = " (not complete)" if self._coming(part) else ""
+        """Such as ``momentum 0.7641 (not complete)`` or ``momentum 1.6309 (up to 0.0911 more)``."""
+        more = self._coming(part, SHOWN_SLOW, LEAST_SHOWN)
+        state = f" (up to {more:.4f} more)" if more else ""
+        state = " (not complete)" if self._coming(part) else state
         return f"momentum {self._momenta[part]:.4f}{state}"
 
     @property

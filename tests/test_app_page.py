@@ -1679,6 +1679,9 @@ def test_a_diameter_replaces_a_radius_and_vice_versa(page):
     tab.click("summary:has-text('Defects')")
     tab.click("#add-with_defects")
     page.settle()
+    # That of the chain.
+    (defect,) = page.document()["chain"]["with_defects"]
+    assert (defect["diameter"], "radius" in defect) == ("20 mm", False)
     for name, other in (("diameter", "radius"), ("radius", "diameter")):
         tab.fill(f"[id='c-chain.with_defects.0.{name}']", "12")
         tab.keyboard.press("Tab")

@@ -78,6 +78,8 @@ test("prefixes make the largest value readable", () => {
   assert.deepEqual(prefixed(1.9, "m/s"), [1, "m/s"]);
   assert.deepEqual(prefixed(12000, "N"), [1e-3, "kN"]);
   assert.deepEqual(prefixed(0.012, "N s"), [1e3, "mN s"]);
+  assert.deepEqual(prefixed(5e-13, "J"), [1e15, "fJ"]);
+  assert.deepEqual(prefixed(2e-18, "J"), [1e15, "fJ"]);
   assert.deepEqual(prefixed(0, "N"), [1, "N"]);
 });
 

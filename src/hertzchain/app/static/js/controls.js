@@ -175,6 +175,11 @@ export class Controls extends Fields {
     const keys = variant ? section.variants[variant] : section.keys;
     const entry = this.begin({ keys }, variant ? { [section.variant_key]: variant } : {});
     const before = listed(this.chain[key]);
+    // A defect of a chain with diameters has a diameter.
+    if (entry.radius && /diameter/.test(Object.keys(this.chain).join())) {
+      entry.diameter = entry.radius;
+      delete entry.radius;
+    }
     this.opened.add(key);
     // The first striker has the velocity of the impact, and bead 1 is then at rest.
     const moving = key === "struck_by" && !before.length && parseFloat(this.chain.velocity) > 0;

@@ -88,9 +88,9 @@ export function powers(low, high, count) {
 export function prefixed(largest, unit) {
   if (unit === "1") return [1, ""];
   /** @type {[number, string][]} */
-  const prefixes = [[1e-9, "G"], [1e-6, "M"], [1e-3, "k"], [1, ""], [1e3, "m"], [1e6, "µ"], [1e9, "n"]];
+  const prefixes = [[1e-9, "G"], [1e-6, "M"], [1e-3, "k"], [1, ""], [1e3, "m"], [1e6, "µ"], [1e9, "n"], [1e12, "p"], [1e15, "f"]];
   if (!/^(m|m\/s|s|N|N s|J|Hz|Pa|g)$/.test(unit) || !(largest > 0 && largest < Infinity)) return [1, unit];
-  const found = prefixes.find(([factor]) => largest * factor >= 1 - 1e-9) ?? [1e9, "n"];
+  const found = prefixes.find(([factor]) => largest * factor >= 1 - 1e-9) ?? prefixes[8];
   return [found[0], found[1] + unit];
 }
 

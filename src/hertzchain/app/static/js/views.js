@@ -232,7 +232,7 @@ export class Views {
         return `${text} at ${full(time * axis.factor)} ${axis.unit}`.trim();
       });
       for (const [what, value, unit] of each.impact ?? []) {
-        const [factor, shown] = own.si ? prefixed(value, unit) : [1, ""];
+        const [factor, shown] = own.si ? prefixed(other && unit === "s" ? own.motion.times.at(-1) : value, unit) : [1, ""];
         notes.push(value === null ? `${what} …` : `${what} ${full(value * factor)} ${shown}`.trim());
       }
       if (each.remark) notes.push(each.remark);
@@ -263,7 +263,7 @@ export class Views {
     });
     const rows = [...found].map(([label, [unit, a, b]]) => {
       const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
-      const [factor, shown] = own.si ? prefixed(largest(same), unit) : [1, ""];
+      const [factor, shown] = own.si ? prefixed(unit === "s" ? own.motion.times.at(-1) : largest(same), unit) : [1, ""];
       return [inUnit(label, shown), full(a * factor), full(b * factor), full(b / a)];
     });
     replace($("legend-error"), [table(["chain", "A", "B", "B / A"], rows)]);

@@ -171,6 +171,21 @@ def test_files_that_are_no_channels_are_rejected(files, tmp_path):
         hc.load_traces(none, sensors={"none.csv": "wall"})
 
 
+@pytest.mark.parametrize("units", ["", ";;\n"])
+def test_times_of_another_name_without_a_unit_can_be_given(run, tmp_path, folder, units):
+    file = tmp_path / "scope.csv"
+    rows = "".join(f"{0.001 * k:g};{k % 7};{k % 5}\n" for k in range(9)).replace(".", ",")
+    file.write_text(f"Zeit;Kanal A;Kanal B\n{units}\n{rows}")
+    sensors = {"Kanal A": "ball 2 [N]", "Kanal B": "wall [N]"}
+    with pytest.raises(hc.InputError, match=r"among Zeit, Kanal A, Kanal B; if it is 'Zeit', give"):
+        hc.load_traces(file, sensors=sensors)
+    given = [f"--sensor={name}={place}" for name, place in sensors.items()]
+    code, _, err = run("compare", file, folder / "row.toml", *given)
+    assert (code, "if it is 'Zeit', add --sensor 'Zeit=time [ms]'" in err) == (2, True)
+    traces = hc.load_traces(file, sensors={**sensors, "Zeit": "time [ms]"}, noise=0.1)
+    assert traces.shots[0].times == pytest.approx(1e-6 * np.arange(9))
+
+
 def test_commands_accept_a_sensor_for_each_file(run, files, folder):
     options = [word for name, place in SENSORS.items() for word in ("--sensor", f"{name}={place}")]
     code, out, err = run("compare", *files, folder / "row.toml", *options, "--json")

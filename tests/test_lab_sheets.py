@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
+from hertzchain.app.documents import document_of_chain
+from hertzchain.app.page_file import first_view
 from hertzchain.recorded_warnings import ignore_warnings
 from hertzchain.sheets import answers
 from hertzchain.sheets.similarity import other_scales
@@ -560,9 +562,33 @@ def test_the_end_of_the_row_has_the_name_load_cell(sheet):
     with pytest.raises(hc.InputError, match="different places"):
         hc.lab_sheet(CELL, sensors=["load cell", "wall"], heights=HEIGHTS)
     hard = ROW.replace(right_wall=hc.Wall())
-    for row, name in ((ROW, "last"), (hard, "wall"), (ROW.with_cap("5 g"), "cap")):
+    for row, name in ((ROW, f"bead {ROW.beads}"), (hard, "wall"), (ROW.with_cap("5 g"), "cap")):
         with pytest.raises(hc.InputError, match=f"has no load cell.* use the sensor '{name}'"):
             hc.lab_sheet(row, sensors=["load cell"], heights=HEIGHTS)
+        with pytest.raises(hc.InputError, match="has no load cell"):
+            first_view(document_of_chain(row), None, ["load cell"])
+        with pytest.raises(hc.InputError, match="has no load cell"):
+            hc.forecast(
+                row.struck_by(velocity=0.1), sensors=["load cell"], noise=1.0,
+                free=["stiffness"], interval="1 us", until="1 ms",
+            )  # fmt: skip
+    assert first_view(document_of_chain(CELL), None, ["load cell", 6])["view"]["sensors"] == [5]
+
+
+def test_traces_and_runs_have_the_sensor_load_cell(tmp_path):
+    slow = CELL.replace(velocities=0.1 * CELL.velocities)
+    run = hc.simulate(slow, until="1 ms", times=2001)
+    assert (run.sensor("load cell") == run.sensor("wall")).all()
+    run.save_forces(tmp_path / "run.csv", ["ball 6", "wall"])
+    text = (tmp_path / "run.csv").read_text(encoding="utf-8")
+    (tmp_path / "cell.csv").write_text(text.replace("wall", "Load cell"), encoding="utf-8")
+    cell, wall = (hc.load_traces(tmp_path / f"{name}.csv", noise=0.1) for name in ("cell", "run"))
+    assert cell.names == wall.names
+    assert run.compare(cell).differences == run.compare(wall).differences
+    free = slow.replace(right_wall=None)
+    other = hc.simulate(free, until="1 ms", times=2001)
+    with pytest.raises(hc.InputError, match="sensor 'load cell', but the chain has no load cell"):
+        other.compare(cell)
 
 
 def test_a_notebook_shows_the_predictions(sheet):

@@ -42,7 +42,7 @@ def test_similar_names_are_suggested(name, meant):
     assert f"(did you mean {meant}?)" in str(caught.value)
 
 
-@pytest.mark.parametrize("name", ["ball", "CH1", "6", "load cell", "kugel 6"])
+@pytest.mark.parametrize("name", ["ball", "CH1", "6", "load", "kugel 6"])
 def test_other_names_have_no_suggestion(name):
     with pytest.raises(hc.InputError, match=r"^column '[^']*' does not name the place of its") as e:
         place_named(name)

@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
-from ..chain.bead_names import bead_number
+from ..chain.bead_names import bead_number, wall_number
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..errors import InputError
@@ -120,7 +120,9 @@ def first_view(
     beads = check_list("sensors", sensors, "numbers or names of beads, such as 5 or 'ball 4'")
     if len(beads) > MAX_SENSORS:
         raise InputError(f"a page shows up to {MAX_SENSORS} sensors, got {len(beads)}")
-    balls = [bead_number(chain, each, "bead with a sensor") - chain.strikers for each in beads]
+    # Forces on walls, such as a load cell, are always shown.
+    inside = [each for each in beads if wall_number(chain, each) is None]
+    balls = [bead_number(chain, each, "bead with a sensor") - chain.strikers for each in inside]
     errors = "theories" if other is None else "difference"
     end = 0.0 if until is None else number("until", until, unit=chain._unit("s"), above=0.0)
     measured = dict(record or {})

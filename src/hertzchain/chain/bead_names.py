@@ -13,6 +13,8 @@ from .chain import Chain
 Side = Literal["left", "right"]
 CAP: Final = "cap"
 LAST: Final = "last"
+# Names of a right wall that is a linear spring.
+CELLS: Final = ("load cell", "cell")
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
 # Names are also written without a space, as ball6, and as ball_6, ball-6 or ball#6.
 BEFORE_NUMBER: Final = r"(?:[ _#]*|-)"
@@ -65,9 +67,13 @@ def walls_of(chain: Chain) -> dict[Side, int]:
 def wall_number(chain: Chain, name: object) -> int | None:
     """Number of a wall, 0 or N + 1, from its name; `None` for anything but the name of a wall.
 
-    The names are "right wall", "left wall" and, if the chain has only one, "wall".
+    The names are "right wall", "left wall" and, if the chain has only one, "wall"; a right wall
+    that is a linear spring is also a "load cell".
     """
     words = usual_spelling(name) if isinstance(name, str) else ""
+    if words in CELLS:
+        check_load_cell(chain)
+        return chain.beads + 1
     if words not in ("wall", "left wall", "right wall"):
         return None
     present = {f"{side} wall": number for side, number in walls_of(chain).items()}
@@ -79,6 +85,22 @@ def wall_number(chain: Chain, name: object) -> int | None:
         raise InputError("the chain has two walls: give 'right wall' or 'left wall'")
     side = "left" if words == "left wall" else "right"
     raise InputError(f"the chain has no {words}; add a {side}_wall")
+
+
+def is_load_cell(chain: Chain) -> bool:
+    """Whether the wall behind the row is a linear spring, such as a load cell."""
+    return chain.right_wall is not None and float(chain.contact_exponents[-1]) == 1.0
+
+
+def check_load_cell(chain: Chain) -> None:
+    """Raise `InputError` unless the chain ends with a load cell."""
+    if not is_load_cell(chain):
+        ends = {"wall": chain.right_wall is not None, CAP: chain.cap is not None}
+        end = next((name for name, present in ends.items() if present), f"bead {chain.beads}")
+        raise InputError(
+            "the chain has no load cell, that is, a right wall with the exponent 1; use the sensor "
+            f"{end!r}"
+        )
 
 
 def numbered_bead(chain: Chain, body: str, number: int) -> int:

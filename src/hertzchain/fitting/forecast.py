@@ -430,7 +430,7 @@ def _place(text: object, chain: Chain, noise: Any) -> tuple[Place, str]:
             f"without calibration, 'ball 6 [V]', got {short_repr(text)}"
         ) from None
     if place.body in ("left", "right"):
-        wall_number(chain, f"{place.body} wall")
+        wall_number(chain, "load cell" if place.cell else f"{place.body} wall")
     elif place.body == CAP:
         bead_number(chain, CAP)
     else:

@@ -1,13 +1,8 @@
-"""Kinds of rows: columns, and rows in front of a load cell."""
+"""Kinds of rows: columns."""
 
 from __future__ import annotations
 
 from ..chain.chain import Chain
-
-
-def is_load_cell(chain: Chain) -> bool:
-    """Whether the wall behind the row is a linear spring, such as a load cell."""
-    return chain.right_wall is not None and float(chain.contact_exponents[-1]) == 1.0
 
 
 def is_column(chain: Chain) -> bool:

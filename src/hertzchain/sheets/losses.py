@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from itertools import groupby
 
+from ..chain.bead_names import is_load_cell
 from ..chain.chain import Chain
 from ..chain.laws.base import Loss
 from ..chain.laws.elastic import Elastic
 from ..chain.laws.given_numbers import given_numbers
 from ..representation import listed, measure
-from .kinds import is_load_cell
 
 
 def losses_in_words(chain: Chain) -> str:

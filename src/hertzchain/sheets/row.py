@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..chain.bead_names import LAST, bead_number
+from ..chain.bead_names import LAST, bead_number, is_load_cell
 from ..chain.chain import Chain
 from ..chain.description import (
     diameter_in_words,
@@ -18,7 +18,7 @@ from ..collision import Array
 from ..representation import listed
 from ..traces.coupling import static_force
 from ..traces.places import Place
-from .kinds import is_column, is_load_cell
+from .kinds import is_column
 from .losses import losses_in_words
 from .sheet import WALL, LabSheet
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from ..chain.bead_names import bead_number, usual_spelling
+from ..chain.bead_names import bead_number, usual_spelling, wall_number
 from ..chain.chain import Chain
 from ..chain.feature_support import require_chain
 from ..chain.hertz_range import hertz_range
@@ -25,7 +25,6 @@ from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_bool, check_list, file_path, text
 from .first_pulse import first_on_wall
-from .kinds import is_load_cell
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,8 +32,7 @@ if TYPE_CHECKING:
 WALL: Final = "wall"
 ENDINGS: Final = (".html", ".md")
 LEAST, MOST, MOST_SENSORS = 2, 12, 4
-# Other names of the wall, and units of the columns of a table.
-CELLS: Final = ("load cell", "cell")
+# Units of the columns of a table.
 UNITS: Final = MappingProxyType(
     {"sensor": "", "height": "m", "speed": "m/s", "force": "N", "time": "s"}
 )
@@ -316,18 +314,6 @@ def _speeds(heights: Any, speeds: Any) -> tuple[Array | None, Array]:
     return np.array(plain), np.array([speed_of_fall("height", each) for each in plain])
 
 
-def _is_wall(chain: Chain, place: Any) -> bool:
-    """Whether a place is the right wall, also by the name of a load cell that ends the row."""
-    name = usual_spelling(place) if isinstance(place, str) else ""
-    if name in CELLS and not is_load_cell(chain):
-        end = WALL if chain.right_wall is not None else "cap" if chain.cap is not None else "last"
-        raise InputError(
-            f"the row has no load cell, that is, a right wall with the exponent 1, for the sensor "
-            f"{short_repr(place)}; use the sensor {end!r}"
-        )
-    return name in (WALL, "right wall", *CELLS)
-
-
 def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
     """Names of the sensors of a chain."""
     given = (
@@ -339,15 +325,17 @@ def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
         raise InputError(f"sensors must be 1 to {MOST_SENSORS} places, got {len(given)}")
     found: list[str] = []
     for each in given:
-        if _is_wall(chain, each):
-            if chain.right_wall is None:
-                raise InputError(
-                    "the sensor 'wall' needs a right wall: add one, or use the sensor 'last'"
-                )
+        name = usual_spelling(each) if isinstance(each, str) else ""
+        if name in (WALL, "right wall") and chain.right_wall is None:
+            raise InputError(
+                "the sensor 'wall' needs a right wall: add one, or use the sensor 'last'"
+            )
+        # The right wall of a chain with two.
+        if wall_number(chain, "right wall" if name == WALL else name) == chain.beads + 1:
             found.append(WALL)
             continue
         bead = bead_number(chain, each, walls=True)
-        found.append(usual_spelling(each) if isinstance(each, str) else f"bead {bead}")
+        found.append(name or f"bead {bead}")
     if len(set(found)) < len(found):
         raise InputError(f"sensors must be different places, got {short_repr(given)}")
     return tuple(found)

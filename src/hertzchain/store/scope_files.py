@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from itertools import dropwhile
 from typing import Final
 
 import numpy as np
@@ -43,7 +44,7 @@ def header_and_samples(rows: Rows, lines: Sequence[int]) -> tuple[list[str], Row
     if _numbered(rows):
         return _with_times_of_numbers(rows, lines)
     at = _header_row(rows)
-    header, body = rows[at], rows[at + 1 :]
+    header, body = rows[at], list(dropwhile(_is_empty, rows[at + 1 :]))
     units = [""] * len(header)
     if body and _is_unit_row(body[0], _time_column(header)):
         units, body = [_unit(cell) for cell in body[0]], body[1:]
@@ -65,13 +66,14 @@ def header_and_samples(rows: Rows, lines: Sequence[int]) -> tuple[list[str], Row
 
 def _header_row(rows: Rows) -> int:
     """Last row with the name of the times before the numbers, or the one above units or numbers."""
-    wide = [at for at, row in enumerate(rows) if len(row) > 1]
+    wide = [at for at, row in enumerate(rows) if len(row) > 1 and not _is_empty(row)]
     end = next((at for at in wide if _is_numeric(rows[at])), len(rows))
     named = [at for at in wide if at < end and "time" in _names(rows[at])]
     if named:
         return named[-1]
     units = (at for at in wide if 0 < at < end and _is_unit_row(rows[at], 0))
-    return max(next(units, end if end < len(rows) else 0) - 1, 0)
+    below = next(units, end if end < len(rows) else 0)
+    return max((at for at in range(below) if not _is_empty(rows[at])), default=0)
 
 
 def sample(cell: str) -> float:
@@ -92,6 +94,11 @@ def _time_column(header: list[str]) -> int:
     """Column of the times: the one with this name, otherwise the first."""
     names = _names(header)
     return names.index("time") if "time" in names else 0
+
+
+def _is_empty(row: list[str]) -> bool:
+    """Whether no cell has text, as in a row of units without any."""
+    return not any(row)
 
 
 def _is_numeric(row: list[str]) -> bool:

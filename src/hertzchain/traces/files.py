@@ -220,7 +220,7 @@ def _columns(
     if names.count("time") != 1:
         raise InputError(
             f"there must be one column of times, such as 'time [us]' or 'Time (s)', among "
-            f"{', '.join(header)}"
+            f"{', '.join(header)}{_other_name_of_times(header, wanted)}"
         )
     columns: dict[tuple[Place, str], tuple[int, float]] = {}
     signals = {
@@ -241,6 +241,17 @@ def _columns(
             raise InputError(f"there are two columns of {place.name!r}; keep one")
         columns[place, unit] = index, factor
     return names.index("time"), names.index("shot") if "shot" in names else None, columns
+
+
+def _other_name_of_times(header: list[str], wanted: Sensors) -> str:
+    """How to give the first column that is no sensor and has no unit as that of the times."""
+    others = {"time", "shot", *(wanted or ())}
+    for full in header:
+        name = key_of(full)
+        if full and name not in others and not (split_header(full) or ("", ""))[1]:
+            given = f"{{{full!r}: 'time [ms]'}}"
+            return f"; if it is {full!r}, give load_traces sensors={given}, with its unit"
+    return ""
 
 
 def _unit_of_times(header: str) -> str:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
-from ..chain.bead_names import CAP, numbered_bead, usual_spelling
+from ..chain.bead_names import CAP, CELLS, check_load_cell, numbered_bead, usual_spelling
 from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, similar_names
@@ -33,15 +33,23 @@ class Place:
         Number of the ball or bead; 0 for a cap and a wall.
     quantity : str
         ``"force"`` or ``"velocity"``.
+    cell : bool
+        Whether the wall is named as a load cell, which it has to be.
     """
 
     name: str
     body: str
     number: int
     quantity: str
+    cell: bool = field(default=False, compare=False)
 
     def bead(self, chain: Chain) -> int:
         """Number of the bead in the chain, strikers included; raises `InputError` without it."""
+        if self.cell:
+            try:
+                check_load_cell(chain)
+            except InputError as error:
+                raise InputError(f"the traces have a sensor 'load cell', but {error}") from None
         if self.body in ("left", "right"):
             if getattr(chain, f"{self.body}_wall") is None:
                 raise InputError(
@@ -93,6 +101,8 @@ def place_named(
     ``column`` is the header for which the place is given, if it is not part of it.
     """
     text = usual_spelling(name)
+    if text.removesuffix(" force") in CELLS:
+        return Place("wall", "right", 0, "force", cell=True)
     found = NAME.fullmatch(text)
     quantity = (found[4] or "force") if found else ""
     capped = text.split(" ")[0] == CAP

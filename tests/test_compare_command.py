@@ -255,9 +255,23 @@ def test_exchanged_columns_are_reported_once_and_only_they(run, files):
     assert "Warning" not in err
     first, second, third, *_ = out.splitlines()
     assert first.startswith("with the columns of ")
-    assert first.endswith("; the values below are those of the columns as they are named")
+    assert first.endswith("; the values below are measured")
     assert second.endswith("diameter 10 mm, and 1 striker, right wall of steel-304, loss")
     assert third.startswith("data from 0 s to ")
+    # Neither the time offset nor simulated values have a meaning.
+    assert "time offset" not in out
+    assert "simulated" not in out
+
+
+def test_a_sensor_in_a_neighbouring_ball_is_named(tmp_path):
+    run = hc.simulate(chain(), until=6e-4, times=2001)
+    run.save_forces(tmp_path / "run.csv", ["ball 5", "ball 11", "wall"])
+    text = (tmp_path / "run.csv").read_text(encoding="utf-8")
+    for number in (11, 12):
+        (tmp_path / "place.csv").write_text(text.replace("ball 11", f"ball {number}"))
+        out = run.compare(hc.load_traces(tmp_path / "place.csv", noise=0.1)).summary(width=None)
+        assert ("the sensor that is named ball 12 is in ball 11, the rms" in out) == (number == 12)
+        assert out.count("the sensor that is named") == (number == 12)
 
 
 def test_exchanged_columns_are_not_also_wrong_gains_or_signs(run, files):

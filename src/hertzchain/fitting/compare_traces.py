@@ -35,10 +35,11 @@ from .ball_count_notes import OUTSIDE, count_notes
 from .coarse_sampling import sampling_notes
 from .compared_part import check_reached, covered_part
 from .comparison_notes import level_notes, missing_notes, pulse_notes, unit_notes
-from .exchanged_columns import exchange_notes
+from .exchanged_columns import MUCH_BETTER, exchange_notes
 from .first_pulses import shape_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
+from .misread_places import neighbours
 from .misread_times import time_notes
 from .odd_sensors import odd_sensor_notes
 from .sensor_comparison import (
@@ -145,7 +146,7 @@ def _crest_notes(
 def _count_notes(
     found: TraceComparison, run: Run, columns: Sequence[Array], grid: Array
 ) -> list[str]:
-    """A note on the number of balls, if arrivals differ and the run begins at the impact."""
+    """A note on the number of balls or a place, if arrivals differ and the run is complete."""
     (shot,) = found.traces.shots
     delays = [abs(each.delay) for each in found.sensors if np.isfinite(each.delay)]
     late = max(delays, default=0.0) > OUTSIDE * min(pulse_widths(columns, grid))
@@ -154,7 +155,25 @@ def _count_notes(
     own = difference_at_best_offset(shot, columns, float(grid[1]))
     return count_notes(run, own, lambda other: difference_at_best_offset(
         shot, _columns(other, shot)[1], float(grid[1])
-    ))  # fmt: skip
+    )) or _place_notes(run, shot, own, float(grid[1]))  # fmt: skip
+
+
+def _place_notes(run: Run, shot: Shot, own: float, spacing: float) -> list[str]:
+    """A note if one sensor in a neighbouring ball reduces the difference of a run to a half."""
+    found = []
+    for name, place in neighbours({each.name: each.place for each in shot.signals}, [run.chain]):
+        signals = (replace(s, place=place) if s.name == name else s for s in shot.signals)
+        other = replace(shot, signals=tuple(signals))
+        best = difference_at_best_offset(other, _columns(run, other)[1], spacing)
+        found.append((best, name, place.name))
+    best, name, there = min(found, default=(own, "", ""))
+    if not best < MUCH_BETTER * own:
+        return []
+    return [
+        f"if the sensor that is named {name} is in {there}, the rms difference falls to "
+        f"{best / own:.0%} of its value: check the place of this "
+        "sensor and the delay of its channel"
+    ]
 
 
 def _suspicious(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from ..chain.chain import Chain
 from ..errors import InputError
 from ..traces.places import Place, check_places, place_named
 from ..traces.traces import mapped
@@ -31,7 +32,7 @@ class OtherPlace:
 def best_other_place(model: Model) -> OtherPlace | None:
     """The neighbouring place of one sensor that agrees best with the nominal chain."""
     signals = {signal.name: signal.place for _, signal in model.traces}
-    others = list(_neighbours(signals, model))
+    others = list(neighbours(signals, model.chains))
     places = [*signals.values(), *dict.fromkeys(place for _, place in others)]
     simulator = Simulator(places, model.simulator.count_one)
     least, found = BETTER * rms_difference(model), None
@@ -43,7 +44,7 @@ def best_other_place(model: Model) -> OtherPlace | None:
     return found
 
 
-def _neighbours(signals: dict[str, Place], model: Model) -> Iterator[tuple[str, Place]]:
+def neighbours(signals: dict[str, Place], chains: Sequence[Chain]) -> Iterator[tuple[str, Place]]:
     """Names of sensors, each with a neighbouring place that the chains have and no other sensor."""
     for name, place in signals.items():
         if place.body not in ("ball", "bead"):
@@ -52,7 +53,7 @@ def _neighbours(signals: dict[str, Place], model: Model) -> Iterator[tuple[str, 
         for number in (place.number - 1, place.number + 1):
             try:
                 other = place_named(place.name.replace(str(place.number), str(number)))
-                for chain in model.chains:
+                for chain in chains:
                     check_places([*rest, other], chain)
             except InputError:
                 continue

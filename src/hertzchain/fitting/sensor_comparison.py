@@ -145,6 +145,11 @@ class SensorComparison:
         )  # fmt: skip
 
     @property
+    def measured_cells(self) -> tuple[str, str]:
+        """Measured peak and arrival as text."""
+        return self.shown_peaks[0], _time(self.measured_arrival)
+
+    @property
     def shown_peaks(self) -> tuple[str, str]:
         """Measured and simulated peak, with digits that the error of the measured one allows."""
         factor, unit = usual_unit(self.measured_peak, self.unit) if self.volts else (1.0, self.unit)
@@ -155,7 +160,7 @@ class SensorComparison:
     @property
     def row(self) -> str:
         """Row of a table."""
-        return _aligned(self.name, *self.cells)
+        return aligned(self.name, *self.cells)
 
 
 def _rounded(value: float, error: float) -> str:
@@ -175,18 +180,20 @@ def _time(value: float, sign: str = "") -> str:
     return f"{1e3 * value:{sign}z.2f} ms" if abs(value) < SECONDS else f"{value:{sign}.2f} s"
 
 
-def _aligned(name: str, *cells: str) -> str:
+def aligned(name: str, *cells: str) -> str:
+    """A row of a table from the name of a sensor and its first cells."""
     return f"  {name:<13}" + "".join(
-        f" {cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=True)
+        f" {cell:>{width}}" for cell, width in zip(cells, WIDTHS, strict=False)
     )
 
 
 HEADINGS: Final = (
     "sensor", "peak", "simulated", "difference", "arrival", "simulated", "difference", "residual",
 )  # fmt: skip
+MEASURED_HEADINGS: Final = ("sensor", "peak", "arrival")
 # Widths of the columns after the first; the table has 88 columns.
 WIDTHS: Final = (10, 10, 10, 9, 9, 10, 8)
-HEADING: Final = _aligned(*HEADINGS)
+HEADING: Final = aligned(*HEADINGS)
 
 
 def scale_of(signal: Signal, model: Array) -> float:

@@ -17,7 +17,9 @@ from ..traces.traces import Traces
 from ..validation.keywords import checked_methods
 from .sensor_comparison import (
     HEADING,
+    MEASURED_HEADINGS,
     SensorComparison,
+    aligned,
     compared_sensor,
     scale_of,
     scaled,
@@ -170,7 +172,8 @@ class TraceComparison:
     def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Table of peaks, arrivals and residuals, the compared interval, and notes.
 
-        If columns are probably exchanged, the first line says so.
+        If columns are probably exchanged, the first line says so, and the others have measured
+        values only.
 
         Parameters
         ----------
@@ -189,6 +192,12 @@ class TraceComparison:
         >>> print(run.compare(traces).summary(width=None).splitlines()[0])
         data from 0 s to 639 us, 100% of the record; time offset 78.81 +- 0.44 us, by least squares
         """
+        if self.exchanged:
+            begin, end = self.traces.shots[0].times[[0, -1]].tolist()
+            rows = [aligned(each.name, *each.measured_cells) for each in self.sensors]
+            interval = f"data from {measure(begin, 's')} to {measure(end, 's')}"
+            lines = [self._statement, interval, aligned(*MEASURED_HEADINGS), *rows, *self.notes[1:]]
+            return folded("\n".join(lines), summary_width(width))
         begin, end = self.interval
         how = "by least squares" if self.clock is None else self.clock.reason
         lines = [
@@ -205,15 +214,12 @@ class TraceComparison:
         factors = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
         if factors:
             lines.append(f"without calibration, the simulation is scaled: {', '.join(factors)}")
-        statement = [self._statement] if self._statement else []
-        lines = [*statement, *lines, *self.notes[len(statement) :]]
-        return folded("\n".join(lines), summary_width(width))
+        return folded("\n".join([*lines, *self.notes]), summary_width(width))
 
     @property
     def _statement(self) -> str:
         """The note that columns are exchanged, which is the first one; or nothing."""
-        as_named = "the values below are those of the columns as they are named"
-        return f"{self.notes[0]}; {as_named}" if self.exchanged else ""
+        return f"{self.notes[0]}; the values below are measured" if self.exchanged else ""
 
     def to_dataframe(self) -> pd.DataFrame:
         """Table of peaks, arrivals and durations [s], and residuals, one row per sensor.

@@ -14,7 +14,7 @@ from ..fitting.goodness import NO_ERRORS
 from ..fitting.loss_comparison import LossComparison
 from ..fitting.posterior import Posterior
 from ..fitting.result import FitResult
-from ..fitting.sensor_comparison import HEADINGS
+from ..fitting.sensor_comparison import HEADINGS, MEASURED_HEADINGS
 from ..fitting.trace_comparison import TraceComparison
 from ..representation import counted
 from ..traces.signals import Shot
@@ -76,15 +76,19 @@ def trace_comparison_html(found: TraceComparison) -> str:
     models = [
         scale * model for scale, model in zip(found.scales, found.signals, strict=True)
     ]  # fmt: skip
-    shown = {
+    headings = MEASURED_HEADINGS if found.exchanged else HEADINGS
+    cells = [each.measured_cells if found.exchanged else each.cells for each in found.sensors]
+    shown = {} if found.exchanged else {
         "time offset": found.time_offset_text,
         "found by": "least squares" if found.clock is None else found.clock.reason,
         "compared": f"{found.covered:.0%} of the record",
-    }
+    }  # fmt: skip
     return page(
         "TraceComparison", "data and simulation", *_notes([found._statement]),
         legend((("data", MEASURED), ("simulation", MODEL))), *_figures(shot, models),
-        numbers(shown), table(HEADINGS, [(each.name, *each.cells) for each in found.sensors]),
+        numbers(shown), table(
+            headings, [(each.name, *own) for each, own in zip(found.sensors, cells, strict=True)]
+        ),
         *_notes(found.notes[found.exchanged :]),
     )  # fmt: skip
 

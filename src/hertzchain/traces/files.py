@@ -244,7 +244,7 @@ def _columns(
 
 
 def _other_name_of_times(header: list[str], wanted: Sensors) -> str:
-    """How to give the first column that is no sensor and has no unit as that of the times."""
+    """How to give the first column without a unit that has no place as that of the times."""
     others = {"time", "shot", *(wanted or ())}
     for full in header:
         name = key_of(full)

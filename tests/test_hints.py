@@ -9,19 +9,24 @@ ROW = """
 diameters = {diameters}
 materials = "steel-52100"
 beads = 3
-[[chain.struck_by]]
+{table}
 mass = "50 g"
 {striker}
 """
 
 
+def row(striker, table="[[chain.struck_by]]", diameters='"8 mm"'):
+    return ROW.format(diameters=diameters, table=table, striker=striker)
+
+
+@pytest.mark.parametrize("table", ["[[chain.struck_by]]", "[chain.struck_by]"])
 @pytest.mark.parametrize("flat", ["flat = true", 'radius = "flat"', "radius = inf"])
-def test_a_flat_striker_has_three_spellings(flat, tmp_path):
-    path = tmp_path / "chain.toml"
-    path.write_text(ROW.format(diameters='"8 mm"', striker=flat))
-    assert hc.load_chain(path).striker_properties[0].flat
-    path.write_text(ROW.format(diameters='"8 mm"', striker="flat = false"))
-    assert not any(each.flat for each in hc.load_chain(path).striker_properties)
+def test_a_flat_striker_has_three_spellings(flat, table):
+    text = row(flat, table)
+    assert hc.chain_from_toml(text).striker_properties[0].flat
+    assert hc.chain_from_toml(text) == hc.chain_from_toml(row("radius = inf"))
+    ball = hc.chain_from_toml(row("flat = false", table))
+    assert not any(each.flat for each in ball.striker_properties)
 
 
 @pytest.mark.parametrize(
@@ -34,16 +39,16 @@ def test_a_flat_striker_has_three_spellings(flat, tmp_path):
 )
 def test_mistakes_about_flat_strikers_are_explained(striker, hint, tmp_path):
     path = tmp_path / "chain.toml"
-    path.write_text(ROW.format(diameters='"8 mm"', striker=striker))
+    path.write_text(row(striker))
     with pytest.raises(hc.InputError, match=hint):
         hc.load_chain(path)
-    path.write_text(ROW.format(diameters='"8 mm"', striker="radius = inf"))
+    path.write_text(row("radius = inf"))
     assert hc.load_chain(path).striker_properties[0].flat
 
 
 def test_an_empty_list_of_diameters_is_named_as_it_is_written(tmp_path):
     path = tmp_path / "chain.toml"
-    path.write_text(ROW.format(diameters="[]", striker="radius = inf"))
+    path.write_text(row("radius = inf", diameters="[]"))
     with pytest.raises(hc.InputError, match="diameters .*must have at least one number"):
         hc.load_chain(path)
 

@@ -385,8 +385,8 @@ def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
             raise InputError(f"[chain] has {name} and {other}, which are the same: omit one")
     names = (FIELD_ALIASES.get(name, name) for name in table)
     chain = with_tables(dict(zip(names, table.values(), strict=True)))
-    if isinstance(strikers := chain.get("struck_by"), list):
-        chain["struck_by"] = [with_flat_radius(each) for each in strikers]
+    if "struck_by" in chain:
+        chain["struck_by"] = with_flat_radius(chain["struck_by"])
     return {**document, "chain": chain}
 
 

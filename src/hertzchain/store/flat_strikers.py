@@ -9,7 +9,9 @@ from ..errors import InputError
 
 
 def with_flat_radius(striker: Any) -> Any:
-    """A striker with ``radius = "flat"`` instead of ``flat = true``, as on the command line."""
+    """Strikers with ``radius = "flat"`` instead of ``flat = true``, as on the command line."""
+    if isinstance(striker, list):
+        return [with_flat_radius(each) for each in striker]
     if not isinstance(striker, Mapping) or not isinstance(striker.get("flat"), bool):
         return striker
     found = {name: value for name, value in striker.items() if name != "flat"}
@@ -17,5 +19,5 @@ def with_flat_radius(striker: Any) -> Any:
         return found
     for name in ("radius", "diameter"):
         if name in found:
-            raise InputError(f"[[chain.struck_by]] has flat = true and {name}: omit one of them")
+            raise InputError(f"struck_by has flat = true and {name}: omit one of them")
     return {**found, "radius": "flat"}

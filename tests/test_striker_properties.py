@@ -177,8 +177,15 @@ def test_a_ball_meets_the_flat_face_of_an_earlier_striker():
     chain = balls.struck_by(mass="50 g", radius=math.inf).struck_by(radius="3 mm", velocity=2)
     wall = hc.Chain.from_materials("3 mm", STEEL, beads=2, left_wall=hc.Wall()).wall_stiffness[0]
     assert chain.stiffness[0] == pytest.approx(wall, rel=1e-14)
-    with pytest.raises(hc.InputError, match="cannot be computed from radii and"):
-        balls.struck_by(mass="50 g", radius=math.inf, count=2)
+    hammer = {"mass": "50 g", "radius": math.inf}
+    touching = "flat faces of beads 1 and 2 touch, so that the stiffness of contact 1 cannot be"
+    listed = balls.replace(stiffness=balls.stiffness)
+    for row in (balls, listed):
+        with pytest.raises(hc.InputError, match=touching):
+            row.struck_by(**hammer).struck_by(**hammer)
+        with pytest.raises(hc.InputError, match=touching):
+            row.struck_by(**hammer, count=2)
+    assert balls.struck_by(**hammer).struck_by(**hammer, stiffness=1e9).stiffness[0] == 1e9
 
 
 def test_properties_belong_to_strikers():

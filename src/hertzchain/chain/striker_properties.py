@@ -118,7 +118,7 @@ def stiffness_with(
         elif np.isinf(faces[k : k + 2]).any():
             kinds = None if scaled or materials is None else materials[k : k + 2]
             p = float(exponents[k] if len(exponents) > 1 else exponents[0])
-            found[k] = face_stiffness(float(faces[k]), float(faces[k + 1]), kinds, p)
+            found[k] = face_stiffness(float(faces[k]), float(faces[k + 1]), kinds, p, k + 1)
     return found
 
 
@@ -135,12 +135,20 @@ def _contact_of(bead: int, contacts: int) -> int:
     return min(bead, contacts - 1)
 
 
-def face_stiffness(one: float, other: float, materials: Materials, exponent: float) -> float:
+def face_stiffness(
+    one: float, other: float, materials: Materials, exponent: float, contact: int
+) -> float:
     """Hertz stiffness of the contact of two faces, one of which is flat; scaled without materials.
 
     The stiffness of scaled contacts is for beads and strikers of one material.
     """
-    if math.isinf(min(one, other)) or exponent != HERTZ_EXPONENT:
+    if math.isinf(min(one, other)):
+        raise InputError(
+            f"the flat faces of beads {contact} and {contact + 1} touch, so that the stiffness of "
+            f"contact {contact} cannot be computed from radii and materials; give stiffness, or a "
+            "radius instead of one flat face"
+        )
+    if exponent != HERTZ_EXPONENT:
         raise InputError(UNKNOWN_STIFFNESS)
     if materials is None:
         return math.sqrt(2.0 * min(one, other))

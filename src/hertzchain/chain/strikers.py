@@ -321,7 +321,7 @@ def _listed_stiffness(
         raise InputError(UNKNOWN_STIFFNESS)
     bodies = [(radius, own)] * count + [(float(chain.face_radii[0]), chain.materials[0])]
     new = [
-        face_stiffness(one, other, (kind, next_kind), HERTZ_EXPONENT)
-        for (one, kind), (other, next_kind) in itertools.pairwise(bodies)
+        face_stiffness(one, other, (kind, next_kind), HERTZ_EXPONENT, k)
+        for k, ((one, kind), (other, next_kind)) in enumerate(itertools.pairwise(bodies), start=1)
     ]
     return np.concatenate((new, chain.stiffness))

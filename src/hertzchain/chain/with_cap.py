@@ -183,5 +183,5 @@ def _listed_stiffness(chain: ChainFields, given: float | None, own: Material | N
         if own is None or chain.materials is None or chain.contact_exponents[-2] != HERTZ_EXPONENT:
             raise InputError(UNKNOWN_STIFFNESS)
         ball, pair = float(chain.face_radii[-1]), (chain.materials[-1], own)
-        given = face_stiffness(ball, math.inf, pair, HERTZ_EXPONENT)
+        given = face_stiffness(ball, math.inf, pair, HERTZ_EXPONENT, chain.beads)
     return np.append(chain.stiffness, given)

@@ -42,6 +42,7 @@ STEEL = "steel-52100"
     (lambda: hc.Scatter(relative=0.01), "Scatter has no argument 'relative'; use radius=0.01$"),
     (lambda: hc.Scatter(scatter=0.01), "Scatter has no argument 'scatter'; use radius=0.01$"),
     (lambda: hc.Chain.uniform(4).with_scatter(1, scatter=0.01), "; use relative=0.01$"),
+    (lambda: hc.Chain.uniform(4).struck_by(mass=2.0, flat=True), '; use radius="flat"$'),
     (lambda: hc.disorder(hc.Chain.uniform(40), relative=0.01), "; use scatter=0.01$"),
     (lambda: hc.simulate(hc.Chain.uniform(4), wall=hc.Wall()),
      "simulate has no argument 'wall'; use chain.replace\\(right_wall=...\\)$"),

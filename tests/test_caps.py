@@ -484,7 +484,7 @@ def test_the_command_adds_a_cap(run, tmp_path):
 @pytest.mark.parametrize(("cap", "file", "arguments"), [
     ("5 g, 1 kN/mm", 'mass = "5 g"\nstiffness = "1 kN/mm"\nexponent = 1',
      {"mass": "5 g", "stiffness": "1 kN/mm", "exponent": 1}),
-    ("3e8 N/m^1.5, tungsten-carbide, 5 kHz",
+    ("3e8 N/m^1.5, tungsten-carbide, flat, 5 kHz",
      'frequency = "5 kHz"\nmaterial = "tungsten-carbide"\nstiffness = "3e8 N/m^1.5"',
      {"frequency": "5 kHz", "material": "tungsten-carbide", "stiffness": "3e8 N/m^1.5"}),
 ])  # fmt: skip

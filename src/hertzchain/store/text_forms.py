@@ -42,6 +42,8 @@ def cap_from_text(what: str, text: str) -> dict[str, Any]:
     units = {"kg": "mass", "Hz": "frequency", "N/m": "stiffness", "N/m^1.5": "stiffness"}
     given: dict[str, Any] = {}
     for part in map(str.strip, text.split(",")):
+        if part == "flat":
+            continue  # as any cap
         found = quantity(part)
         unit = next((each for each in units if found and has_dimension(found[1], each)), "")
         if not unit and (found is not None or not part[:1].isalpha()):

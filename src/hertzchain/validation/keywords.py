@@ -40,6 +40,7 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("Scatter", "relative"): "radius=0.01",
         ("Scatter", "scatter"): "radius=0.01",
         ("Scatter", "diameter"): "radius=0.01, which is also the scatter of the diameter",
+        ("struck_by", "flat"): 'radius="flat"',
         ("with_scatter", "scatter"): "relative=0.01",
         ("with_scatter", "radius"): "relative=0.01",
         ("disorder", "relative"): "scatter=0.01",

@@ -34,6 +34,10 @@ def test_chain_files(tmp_path):
     ("text", "said"),
     [
         ("[chain", "is not valid TOML"),
+        ("[chain]\ndiameters = 12 mm # all", 'needs quotation marks: diameters = "12 mm"$'),
+        ("[chain]\ndiameters = [8 mm, 9 mm]", 'needs quotation marks: "8 mm"$'),
+        ("[chain]\ncap = {mass = 1e3g}", 'needs quotation marks: mass = "1e3 g"$'),
+        ("[chain]\nradii = [1 2]", r"Unclosed array .at line 2, column 12.$"),
         ("beads = 3", "unknown table or key 'beads'"),
         ('title = "A"\n[chain]\ntaper = "uniform"\nbeads = 3', "only .* of sweeps have a title"),
         ("", r"needs a table \[chain\]"),

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import tomllib
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from ..errors import InputError
+from ..units import quantity
 from ..validation.objects import file_path
+
+# Place of an error; a number and its key before this place, and a unit after it.
+_PLACE: Final = re.compile(r"at line (\d+), column (\d+)")
+_NUMBER: Final = re.compile(r"(?<![\w.+-])((?:[\w.-]+ *= *)?)([+-]?\d[\w.+-]*?) *$")
+_UNIT: Final = re.compile(r"[^\W\d_][^\s,\]}#\"']*|%")
 
 
 def read_toml(what: str, path: str | os.PathLike[str], hint: str) -> dict[str, Any]:
@@ -30,12 +37,25 @@ def parse_toml(what: str, text: str, hint: str = "") -> dict[str, Any]:
         return tomllib.loads(text.removeprefix("\ufeff"))
     except tomllib.TOMLDecodeError as error:
         reason = str(error).replace("Cannot overwrite a value", "the same key is given twice")
-        raise InputError(f"{what} is not valid TOML: {reason}{hint}") from None
+        remedy = _quotation_marks(text, reason) or hint
+        raise InputError(f"{what} is not valid TOML: {reason}{remedy}") from None
     except RecursionError:
         raise InputError(f"{what} is nested too deeply") from None
     except ValueError:
         # The only remaining reason: Python does not read whole numbers of more than 4300 digits.
         raise InputError(f"{what} has a whole number of thousands of digits") from None
+
+
+def _quotation_marks(text: str, reason: str) -> str:
+    """A hint at the quotation marks of a number with a unit, if the error is at this unit."""
+    place = _PLACE.search(reason)
+    if place is None:
+        return ""
+    line, column = text.removeprefix("\ufeff").split("\n")[int(place[1]) - 1], int(place[2]) - 1
+    before, unit = _NUMBER.search(line[:column]), _UNIT.match(line[column:])
+    if before is None or unit is None or quantity(f"{before[2]} {unit[0]}") is None:
+        return ""
+    return f'; text with a unit needs quotation marks: {before[1]}"{before[2]} {unit[0]}"'
 
 
 def toml_text(value: Any) -> str:

@@ -360,3 +360,17 @@ def test_all_methods_have_own_lines_and_symbols_and_room_for_their_differences()
     # A handle has room for the longest pattern of dashes.
     legend = axes.get_legend()
     assert legend.handlelength * legend.get_texts()[0].get_fontsize() > 20.0
+
+
+def test_wide_legends_keep_a_distance_from_the_edge_of_their_figure():
+    distances = []
+    for letters in range(8):
+        _, axes = plt.subplots(layout="constrained")
+        # The line covers all places inside the axes.
+        axes.plot(np.linspace(0.0, 1.0, 99), np.resize([0.0, 1.0], 99), label="n" * 29)
+        axes.plot([0.0, 1.0], [0.5, 0.5], label="n" * 29 + "i" * letters)
+        place_legend(axes, own=True)
+        distances.append(axes.get_legend().get_window_extent().x0 * 72.0 / axes.figure.dpi)
+    # The widest one in two columns, and the first one in a column.
+    assert min(distances) >= 0.9
+    assert min(distances) < 5.0 < max(distances)

@@ -28,6 +28,8 @@ PLACES: Final = (
 NOTHING: Final = ("None", "none", "", " ", None)
 # Distance [points] of a legend from data.
 CLEARANCE: Final = 2.0
+# Distance [points] of a legend from the left edge of its figure, with its own distance from axes.
+EDGE: Final = 4.0
 # Handles and columns of a legend above the axes, in units of the font size.
 COMPACT: Final[dict[str, Any]] = {
     "handlelength": 1.6, "columnspacing": 1.2, "borderpad": 0.2, "borderaxespad": 0.3,
@@ -259,7 +261,8 @@ def _place_above(axes: Axes, compact: dict[str, Any], *, own: bool) -> bool:
     """Put the legend between the axes and their title; false if these have no room for it."""
     figure = figure_of(axes)
     # In a figure of its own, a legend may also be above the labels of the y axis.
-    left = figure.bbox.x0 if own else axes.bbox.x0
+    margin = EDGE * figure.dpi / POINTS_PER_INCH
+    left = figure.bbox.x0 + margin if own else axes.bbox.x0
     columns, legend = _in_columns(axes, compact, axes.bbox.x1 - left)
     if own and columns == 1 and len(legend.get_texts()) >= MANY:
         size = legend.get_texts()[0].get_fontsize()

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 import hertzchain as hc
 from hertzchain.collision import Array
 from hertzchain.plotting.colours import COLOURS
+from hertzchain.plotting.looks import method_style
 from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis, signed
 from hertzchain.theory.universal_functions import bca_growth
 
@@ -65,12 +66,12 @@ def local_rate() -> Figure:
             law, exact, bca = hc.local_rate(chain), hc.propagate(chain), hc.bca(chain)
             assert law.velocity_error is not None
             law_and_simulation(left, law, exact, i, name)
-            left.plot(bca.bead, bca.velocity, ":", color=COLOURS[i], linewidth=1.0)
+            left.plot(bca.bead, bca.velocity, "--", color=COLOURS[i], linewidth=1.0)
             error = np.abs(law.compare(exact).errors("velocity"))
             shown = slice(1, 97)
             right.plot(law.bead[shown], 100.0 * error[shown], color=COLOURS[i])
             right.plot(law.bead[shown], 100.0 * law.velocity_error[shown], "--", color=COLOURS[i])
-        label_lines(left, law="-", simulation="o", BCA=":")
+        label_lines(left, law="-", simulation="o", BCA="--")
         label_lines(right, error="-", estimate="--")
         for axes, what in ((left, "velocity $v_k$"), (right, "error of the velocity [%]")):
             axes.set_yscale("log")
@@ -89,16 +90,17 @@ def growth_and_memory() -> Figure:
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.6))
         rates = np.linspace(-0.14, 0.3, 89)
         growth = [_growth(rate) for rate in rates]
+        bca_colour = method_style("bca")["color"]
         left.plot(rates, growth, color=COLOURS[0])
-        left.plot(rates, bca_growth(rates), "--", color=COLOURS[1])
+        left.plot(rates, bca_growth(rates), "--", color=bca_colour)
         inset = left.inset_axes((0.13, 0.14, 0.42, 0.34))
-        inset.plot(rates, bca_growth(rates) - growth, color=COLOURS[1])
+        inset.plot(rates, bca_growth(rates) - growth, color=bca_colour)
         inset.set_title("BCA \N{MINUS SIGN} exact", fontsize=8, pad=2.0)
         inset.set_ylim(0.0, 0.06)
         inset.tick_params(labelsize=8)
         left.annotate("exact", (-0.13, 0.13), xytext=(0, -18), textcoords="offset points",
                       color=COLOURS[0])  # fmt: skip
-        left.annotate("BCA", (-0.11, 0.165), color=COLOURS[1])
+        left.annotate("BCA", (-0.11, 0.165), color=bca_colour)
         left.set_xlabel("rate $s$")
         left.set_ylabel(r"growth per bead $\sigma = \ln(v_{k+1}/v_k)$")
         changed, beads = 60, np.arange(-3, 15)

@@ -23,8 +23,7 @@ def compared_pulses() -> Figure:
         )  # fmt: skip
         hc.plot_pulses(
             [hc.propagate(steepest), hc.bca(steepest), hc.local_rate(steepest)],
-            labels=["simulation", "BCA", "local-rate law"], log=True, residuals=True,
-            ax=[panels["theories"], panels["errors"]],
+            log=True, residuals=True, ax=[panels["theories"], panels["errors"]],
         )  # fmt: skip
     return canvas
 

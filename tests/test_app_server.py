@@ -843,15 +843,15 @@ def test_the_figure_of_the_pulse_shows_the_curves_of_the_page(client):
         stored = {"view": {"hidden": hidden, "log": False}}
         given = {"figure": "pulse", "format": "svg", "view": stored, **more}
         found = texts_of(exported(client, TAPER, "figure", **given))
-        names = ("simulation", "BCA", "hard sphere", "two thirds BCA",
-                 "modified BCA", "modified BCA, as printed", "local rate")  # fmt: skip
+        names = ("simulation", "BCA", "hard sphere", "2/3 BCA",
+                 "modified BCA", "modified BCA, printed", "local-rate law")  # fmt: skip
         letters = ("", "A, ", "B, ")
         return {each + name for each in letters for name in names if each + name in found}
 
-    usual = {"simulation", "BCA", "modified BCA", "local rate"}
+    usual = {"simulation", "BCA", "modified BCA", "local-rate law"}
     assert legend(HIDDEN) == usual
     assert legend([*HIDDEN, "exact"]) == usual - {"simulation"}
-    assert legend([]) == usual | {"hard sphere", "two thirds BCA", "modified BCA, as printed"}
+    assert legend([]) == usual | {"hard sphere", "2/3 BCA", "modified BCA, printed"}
     second = {"other": {"chain": {"taper": "uniform", "beads": 9}}}
     for slot, other in (("A", "B"), ("B", "A")):
         expected = {f"{slot}, {name}" for name in usual} | {f"{other}, simulation"}

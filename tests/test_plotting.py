@@ -27,6 +27,8 @@ from hertzchain.plotting.design_beads import plot_beads
 from hertzchain.plotting.enlarged import small_groups
 from hertzchain.plotting.fits import plot_correlations
 from hertzchain.plotting.legends import covers_data
+from hertzchain.plotting.looks import method_style
+from hertzchain.plotting.methods import METHODS
 from hertzchain.plotting.runs import (
     force_curve,
     plot_forces,
@@ -37,6 +39,7 @@ from hertzchain.plotting.signals import draw_crest, draw_signal
 from hertzchain.plotting.style import figure_bytes, label_log_axis, set_figure_title
 from hertzchain.plotting.titles import chain_title
 from hertzchain.store.sweep_store import FAILED, MISSING
+from hertzchain.sweeps.methods import pulse_by
 
 
 @pytest.fixture(scope="module")
@@ -460,6 +463,27 @@ def test_colours_show_chains_and_lines_show_methods():
     # Chains that their descriptions do not distinguish have a colour per pulse.
     alike = hc.plot_pulses([*pulses, *pulses])
     assert len({line.get_linestyle() for line in alike.lines} - {"None"}) == 1
+
+
+def test_a_method_has_one_colour_and_name_in_all_figures():
+    chain = hc.Chain.tapered("forward-exponential", 0.05, beads=20)
+    names = ["bca", "modified-bca", "local-rate", "two-thirds-bca", "modified-bca-printed"]
+    looks = {METHODS[each].name: method_style(each)["color"] for each in names}
+    assert len({*looks.values()}) == len(names)
+    pulses = [pulse_by(each, chain) for each in names[::-1]]
+    swept = hc.sweep({"chain": {"taper": "forward-exponential", "beads": 20},
+                      "axes": {"rate": [0.02, 0.05]},
+                      "sweep": {"methods": names[1:], "keep": ["velocity"]}})  # fmt: skip
+    board = hc.plotting.plot_scoreboard(hc.scoreboard(theories=names[:0:-1]))
+    for axes in (hc.plot_pulses(pulses), hc.plot_sweep(swept, "velocity", bead=15), board):
+        drawn = {line.get_label(): line.get_color() for line in axes.lines}
+        found = {name: drawn[name] for name in looks.keys() & drawn.keys()}
+        assert len(found) >= len(names) - 1
+        assert found == {name: looks[name] for name in found}
+    # A theory of the user has a colour that is not that of another curve.
+    own = hc.Pulse(chain=chain, method="mine", velocity=pulses[0].velocity)
+    curves = hc.plot_pulses([*pulses, own]).lines
+    assert len({line.get_color() for line in curves if len(line.get_xdata()) > 1}) == len(names) + 1
 
 
 def test_differences_of_a_short_chain_end_at_its_free_end():

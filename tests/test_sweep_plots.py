@@ -111,7 +111,7 @@ def test_curves_that_agree_do_not_hide_each_other():
     assert (simulated.get_linestyle(), simulated.get_marker()) == ("None", "o")
     assert simulated.get_zorder() > max(law.get_zorder(), bca.get_zorder())
     assert {law.get_marker(), bca.get_marker()} == {""}
-    assert (law.get_linestyle(), bca.get_linestyle()) == ("-", "--")
+    assert (law.get_linestyle(), bca.get_linestyle()) == ("-.", ":")
     # A simulation on its own has a line.
     (alone,) = hc.plot_sweep(found, "velocity", approach="propagate").lines
     assert (alone.get_linestyle(), alone.get_marker()) == ("-", "o")

@@ -9,11 +9,12 @@ and can they be corrected?
 
 # sphinx_gallery_thumbnail_panel = (2, 0)
 # sphinx_gallery_alt_1 = "The first 20 beads of a chain of each family"
-# sphinx_gallery_alt_2 = "Errors along chains of four families: as printed, BCA and corrected"
+# sphinx_gallery_alt_2 = "Errors along chains of four families: as printed, BCA and modified BCA"
 import matplotlib.pyplot as plt
 import numpy as np
 
 import hertzchain as hc
+from hertzchain.plotting.looks import method_style
 from hertzchain.theory import printed_velocity
 
 plt.style.use("hertzchain.figures")
@@ -38,7 +39,7 @@ for axes, (taper, rate) in zip(grid.flat, families.items()):
 
 # %%
 # For every family, compute the pulse by simulation, by the formula as printed, and by the
-# corrected one: the exact product of the binary collision approximation (BCA), times a factor
+# modified BCA: the exact product of the binary collision approximation (BCA), times a factor
 # fitted to the simulation.
 
 beads = np.arange(1, 101)
@@ -50,14 +51,14 @@ for axes, (taper, rate) in zip(grid.flat, families.items()):
     candidates = {
         "as printed": printed_velocity(taper, rate, beads.astype(float)),
         "BCA": hc.bca(chains[taper]).velocity,
-        "corrected": hc.modified_bca(chains[taper]).velocity,
+        "modified BCA": hc.modified_bca(chains[taper]).velocity,
     }
     # The page on the reproduction draws the printed formulas in the same way.
-    styles = {"color": ("C1", "C3", "C0"), "linestyle": ("-", "-.", "--")}
-    for (name, velocity), *style in zip(candidates.items(), *styles.values()):
+    methods = ("modified-bca-printed", "bca", "modified-bca")
+    for (name, velocity), method in zip(candidates.items(), methods):
         error = 100 * (velocity / exact - 1)
         worst[taper, name] = abs(error[window]).max()
-        axes.plot(beads[window], error[window], label=name, **dict(zip(styles, style)))
+        axes.plot(beads[window], error[window], **{**method_style(method), "label": name})
     axes.axhline(0, color="0.6", linewidth=0.7, zorder=1)
     axes.set_title(f"{taper}, rate {rate:g}")
 for axes in grid[1]:
@@ -94,7 +95,7 @@ for name, correction in {"as printed": own, "exchanged": exchanged}.items():
 # ``modified_bca`` uses, the error is much smaller.  The page
 # :doc:`/explanation/reproduction` lists all errata.
 
-print(f"{'largest error, beads 5 to 80':30}{'as printed':>12}{'BCA':>8}{'corrected':>12}")
+print(f"{'largest error, beads 5 to 80':30}{'as printed':>12}{'BCA':>8}{'modified BCA':>14}")
 for taper in families:
-    row = [worst[taper, name] for name in ("as printed", "BCA", "corrected")]
-    print(f"{taper:30}{row[0]:11.1f}%{row[1]:7.1f}%{row[2]:11.1f}%")
+    row = [worst[taper, name] for name in ("as printed", "BCA", "modified BCA")]
+    print(f"{taper:30}{row[0]:11.1f}%{row[1]:7.1f}%{row[2]:13.1f}%")

@@ -13,6 +13,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import hertzchain as hc
+from hertzchain.plotting.looks import method_style
 
 plt.style.use("hertzchain.figures")
 
@@ -47,23 +48,24 @@ exact = pulses["simulate"].velocity
 inner = slice(4, 97)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(8.0, 3.6))
-for number, (name, pulse) in enumerate(pulses.items()):
-    colour, dashes = f"C{number}", ("-", "--", ":", "-.", "-")[number]
+styles = {name: method_style(name.replace("_", "-")) for name in pulses}
+for name, pulse in pulses.items():
+    style = styles[name]
     # The curves of propagate and local_rate would hide that of simulate.
     if name not in ("propagate", "local_rate"):
         # The last bead leaves the free end, and is no part of the curve.
-        left.semilogy(np.arange(1, 100), pulse.velocity[:-1], dashes, color=colour)
+        left.semilogy(np.arange(1, 100), pulse.velocity[:-1], **style)
     if name != "simulate":
         error = abs(pulse.velocity / exact - 1)[inner]
-        right.semilogy(np.arange(5, 98), error, dashes, color=colour)
-        right.annotate(name, (97, error[-1]), xytext=(5, 0), textcoords="offset points",
-                       ha="left", va="center", color=colour)
-left.annotate("simulate,\npropagate,\nlocal_rate", (45, exact[44]), xytext=(-6, -6),
-              textcoords="offset points", ha="right", va="top", color="C0")
-left.annotate("modified_bca", (70, exact[69]), xytext=(-6, -6), textcoords="offset points",
-              ha="right", va="top", color="C3")
-left.annotate("bca", (60, pulses["bca"].velocity[59]), xytext=(6, 6),
-              textcoords="offset points", color="C4")
+        right.semilogy(np.arange(5, 98), error, **style)
+        right.annotate(style["label"], (97, error[-1]), xytext=(5, 0), ha="left", va="center",
+                       textcoords="offset points", color=style["color"])
+left.annotate("simulation", (45, exact[44]), xytext=(-6, -6), textcoords="offset points",
+              ha="right", va="top")
+left.annotate("modified BCA", (70, exact[69]), xytext=(-6, -6), textcoords="offset points",
+              ha="right", va="top", color=styles["modified_bca"]["color"])
+left.annotate("BCA", (60, pulses["bca"].velocity[59]), xytext=(6, 6),
+              textcoords="offset points", color=styles["bca"]["color"])
 left.set_title("Velocity of the pulse")
 left.set_xlabel("bead $k$")
 left.set_ylabel("velocity $v_k$")

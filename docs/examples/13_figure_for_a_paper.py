@@ -49,8 +49,7 @@ with hc.figure_style("single column"):
     hc.plot_chain(chain, ax=top)
     top.set_axis_off()
     hc.plot_pulses(
-        [exact, bca, law], labels=["propagation", "BCA", "local-rate law"], log=True,
-        residuals=True, ax=(middle, bottom),
+        [exact, bca, law], log=True, residuals=True, ax=(middle, bottom),
     )
     bottom.set_ylabel("relative\nerror [%]")
 

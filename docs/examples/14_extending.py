@@ -58,15 +58,8 @@ print(mine.compare(exact))
 # is not exact: the kinetic energy of the beads decreases slowly along the chain.
 
 figure, axes = plt.subplots(figsize=(8.0, 3.8))
-for pulse, style in ((exact, "-"), (bca, "--"), (mine, ":")):
-    # The last bead leaves the free end, and is no part of the curve.
-    axes.semilogy(pulse.bead[:-1], pulse.velocity[:-1], style, label=pulse.method)
-axes.set_yticks([0.2, 0.5, 1.0], ["0.2", "0.5", "1"])
-axes.yaxis.set_minor_formatter("")
 axes.set_title("A theory of your own, compared with the simulation")
-axes.set_xlabel("bead $k$")
-axes.set_ylabel("velocity $v_k$")
-axes.legend()
+hc.plot_pulses([exact, bca, mine], log=True, ax=axes)
 
 # %%
 # A law of loss

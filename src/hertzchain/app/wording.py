@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..chain.description import impact_in_words, length_in_words, sizes_in_words
 from ..collision import Array
 from ..notebook.drawing import engineering
+from ..plotting.methods import name_of
 
 # Python expressions in messages, and the choice on the page instead.
 WORDINGS: Final = (
@@ -83,8 +84,7 @@ def sentences(notes: Iterable[object]) -> str:
 
 def title(name: str) -> str:
     """Name of a theory on the page, as in `results.js`."""
-    words = re.sub("-printed$", ", as printed", name).replace("-", " ")
-    return words.replace("bca", "BCA")
+    return name_of(name)
 
 
 def chain_in_words(chain: Chain) -> str:

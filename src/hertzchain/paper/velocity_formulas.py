@@ -12,7 +12,7 @@ from matplotlib.figure import Figure as MatplotlibFigure
 from ..calibration import RATES, WINDOW, Window
 from ..chain.tapers import rate_symbol
 from ..collision import Array
-from ..plotting.colours import COLOURS
+from ..plotting.looks import method_style
 from ..plotting.style import figure_style
 from ..pulse.pulse import Pulse
 from ..theory.bca import backward_linear_prefactor, bca
@@ -101,19 +101,21 @@ def printed_and_corrected_errors(pulses: Pulses) -> tuple[float, float]:
 
 def draw_formula_errors(pulses: Pulses) -> MatplotlibFigure:
     """Plot the error of each velocity formula along the chain, at the largest rate per taper."""
-    fixed = {PRINTED: (COLOURS[2], "-"), CALIBRATED: (COLOURS[0], ":")}
+    styles = {PRINTED: "modified-bca-printed", CALIBRATED: "modified-bca"}
     with figure_style():
         canvas, grid = plt.subplots(2, 2, figsize=(7.6, 5.8), sharex=True)
         for axes, taper in zip(grid.flat, RATES, strict=True):
             rate = RATES[taper][-1]
             pulse = pulses[taper, rate]
-            corrected = iter(((COLOURS[1], "--"), (COLOURS[3], "-.")))
+            others = iter((("black", "-"), ("0.5", "--")))
             for name, formula in velocity_formulas(taper).items():
-                colour, dashes = fixed.get(name) or next(corrected)
+                if name in styles:
+                    style = method_style(styles[name])
+                else:
+                    style = dict(zip(("color", "linestyle"), next(others), strict=True))
                 error = 100.0 * (formula(pulse) / pulse.velocity - 1.0)
                 label = name.replace("(c0, x)", "$(c_0, x)$")
-                axes.plot(pulse.bead[4:90], error[4:90], color=colour, linestyle=dashes,
-                          label=label)  # fmt: skip
+                axes.plot(pulse.bead[4:90], error[4:90], **{**style, "label": label})
             axes.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
             axes.set_title(f"{taper}, ${rate_symbol(taper)}$ = {rate:g}")
             if rate_symbol(taper) == "q":

@@ -14,6 +14,8 @@ from ..collision import Array
 # Colours of Okabe and Ito, which colour-blind readers can distinguish; markers repeat the
 # distinction for prints in grey.
 COLOURS: Final = ("#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+# Colour of curves with the number -1.
+GREY: Final = "#808080"
 # Brightness of red, green and blue.
 WEIGHTS: Final = (0.299, 0.587, 0.114)
 # Values of the other sign that are at most this part of the largest are not given colours.
@@ -48,9 +50,14 @@ def grey(axes: Axes, level: float = 0.0) -> str:
     return f"{1.0 - level if is_dark(axes) else level:g}"
 
 
+def colour_of(i: int) -> str:
+    """Colour of curve i on a light background."""
+    return GREY if i < 0 else COLOURS[i % len(COLOURS)]
+
+
 def curve_colour(axes: Axes, i: int) -> str:
-    """Colour of curve i; the first one is black, or white on a dark background."""
-    colour = COLOURS[i % len(COLOURS)]
+    """Colour of curve i; number 0 is white on a dark background."""
+    colour = colour_of(i)
     return "#FFFFFF" if colour == COLOURS[0] and is_dark(axes) else colour
 
 

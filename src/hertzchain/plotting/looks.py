@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from .alternating_beads import END_SYMBOL, FILLABLE
+from .colours import colour_of
+from .methods import METHODS, looks_of_methods
 from .style import MARKERS
 
 # Lines of different methods, if curves of a chain share a colour.
@@ -18,11 +20,15 @@ LINES: Final = (
 
 @dataclass(frozen=True)
 class Look:
-    """Numbers of the colour, of the symbol and of the line of a curve, and of beads per symbol."""
+    """Numbers of the colour, of the symbol and of the line of a curve, and of beads per symbol.
+
+    Symbols of curves with another ``place`` are at other beads.
+    """
 
     colour: int
     symbol: int
     line: int = 0
+    place: int = 0
     spacing: int = 1
     alternating: bool = False
 
@@ -42,28 +48,42 @@ class Look:
 def looks_of(words: Sequence[Sequence[str]], begin: int, *, alternating: bool) -> list[Look]:
     """Colours by chain and lines by method if there are several of both, otherwise by pulse.
 
-    Lines of several methods for one chain differ, too: they often coincide.
+    Several methods for one chain have their own looks, unless the axes have other curves.
     """
     chains = list(dict.fromkeys(tuple(chain) for _, *chain in words))
     methods = list(dict.fromkeys(method for method, *_ in words))
     different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods)
+    own = looks_of_methods(methods)
     if not different or min(len(chains), len(methods)) < 2:
-        lines = range(len(words)) if len(methods) == len(words) else [0] * len(words)
+        count, all_differ = begin + len(words), len(methods) == len(words)
+        if own and all_differ and len(words) > 1 and begin == 0:
+            return [
+                Look(each.colour, each.symbol, each.line, i, count, alternating)
+                for i, each in enumerate(own)
+            ]
         return [
-            Look(begin + i, begin + i, line, begin + len(words), alternating)
-            for i, line in enumerate(lines)
+            Look(begin + i, begin + i, i if all_differ else 0, begin + i, count, alternating)
+            for i in range(len(words))
         ]
     return [
         # At a common bead, symbols of one colour would look like a filled one.
         Look(
             begin + chains.index((*chain,)),
-            i := methods.index(method),
+            own[i].symbol if own else i,
+            own[i].line if own else i,
             i,
             len(methods),
             alternating,
         )
         for method, *chain in words
+        for i in [methods.index(method)]
     ]
+
+
+def method_style(method: str) -> dict[str, Any]:
+    """Colour, line and name of a method, such as ``bca``, as arguments of `Axes.plot`."""
+    name, colour, _, line = METHODS[method]
+    return {"color": colour_of(colour), "linestyle": LINES[line], "label": name}
 
 
 def share_colours(looks: Sequence[Look]) -> bool:

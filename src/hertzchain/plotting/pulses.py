@@ -298,7 +298,7 @@ def number_of_curves(axes: Axes) -> int:
 def _draw_free_end(axes: Axes, bead: int, value: float, look: Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
     colour = curve_colour(axes, look.colour)
-    axes.plot([bead], [value], color=colour, **end_style(look.end, look.symbol))
+    axes.plot([bead], [value], color=colour, **end_style(look.end, look.place))
 
 
 def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[Look]) -> None:
@@ -355,7 +355,7 @@ def _draw_line(
         values,
         color=curve_colour(axes, look.colour),
         # Markers of different pulses at different beads do not hide each other.
-        markevery=(look.symbol * max(1, beads // 60), max(look.spacing, beads // 20)),
+        markevery=(look.place * max(1, beads // 60), max(look.spacing, beads // 20)),
         label=label,
         **line_style(look),
     )

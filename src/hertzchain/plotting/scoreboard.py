@@ -12,8 +12,8 @@ from ..evaluation.cases import GROUPS
 from ..evaluation.scoreboard import Scoreboard, Statistic
 from ..validation.keywords import checked_arguments
 from .colours import curve_colour, grey
+from .methods import METHODS, OWN, name_of
 from .style import MARKERS, figure_style, get_axes
-from .sweep_labels import METHODS
 from .widths import NARROW, figure_size
 
 if TYPE_CHECKING:
@@ -67,21 +67,22 @@ def plot_scoreboard(
         axes = get_axes(ax, size)
         narrow = figure_size(*size)[0] < NARROW
         shared = _equal_theories(errors, outside)
+        looks = [METHODS.get(each, OWN) for each in board.theories]
         for t, theories in enumerate(shared):
-            theory, style = theories[0], board.theories.index(theories[0])
+            theory, look = theories[0], looks[board.theories.index(theories[0])]
             raised = np.array(heights) + DODGE * (t - 0.5 * (len(shared) - 1))
             for warned, strength in ((False, 1.0), (True, 0.35)):
                 rows = outside[theory].to_numpy() == warned
                 axes.plot(
                     100.0 * errors[theory].to_numpy()[rows],
                     raised[rows],
-                    MARKERS[style % len(MARKERS)],
-                    color=curve_colour(axes, style),
+                    MARKERS[look.symbol],
+                    color=curve_colour(axes, look.colour),
                     markerfacecolor="none",
                     markeredgewidth=1.2,
                     markersize=4.0 if narrow else 6.0,
                     alpha=strength,
-                    label=None if warned else ", ".join(METHODS.get(t, t) for t in theories),
+                    label=None if warned else ", ".join(map(name_of, theories)),
                 )
         if (outside & errors.notna()).to_numpy().any():
             axes.plot([], [], "o", color="0.7", markerfacecolor="none", markersize=6.0,

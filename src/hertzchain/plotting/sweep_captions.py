@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from ..representation import counted
+from .methods import name_of
 from .style import literal
-from .sweep_labels import METHODS, coordinate_text
+from .sweep_labels import coordinate_text
 from .sweep_points import together_in_words
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def caption_of(dataset: xr.Dataset, drawn: xr.DataArray, reference: str | None) 
         literal(str(dataset.attrs.get("title", ""))),
         *(coordinate_text(value, str(name)) for name, value in drawn.coords.items()
           if value.ndim == 0 and name not in only),
-        f"relative to {METHODS.get(reference, reference)}" if reference is not None else "",
+        f"relative to {name_of(reference)}" if reference is not None else "",
     ]  # fmt: skip
     return [part for part in (*caption, *together_in_words(drawn)) if part]
 

@@ -11,12 +11,13 @@ from ..sweeps.methods import SIMULATIONS
 from .colours import curve_colour, grey
 from .free_ends import FREE_END, label_free_end
 from .looks import LINES
+from .methods import looks_of_methods
 from .shared_axes import use_power_of_ten
 from .style import MARKERS, broken_label, label_log_axis
 from .sweep_axes import free_end, places_of, set_axis, show_all_places
 from .sweep_labels import coordinate_text, quantity_label
 from .sweep_marks import label_marks, mark_curve, remove_labelled
-from .sweep_sharing import Group, first_free_colour, note_curve
+from .sweep_sharing import Group, first_free_colour, has_curves, note_curve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,10 +51,21 @@ def draw_curves(
     methods = own or [None] * len(names)
     # Methods of a legend that several quantities share have the same symbol in each.
     symbol = first
-    first = first_free_colour(axes, 0 if grouped else first, len(names))
+    first = first_free_colour(axes, begin := 0 if grouped else first, len(names))
     symbol = symbol if grouped else first
+    # Methods of a second quantity in the same axes have other colours.
+    known = (
+        looks_of_methods([*map(str, own)])
+        if any(own) and (grouped or (first == begin and not has_curves(axes)))
+        else None
+    )
+    colours = list(range(first, first + len(names)))
+    if known and not grouped:
+        colours = [each.colour for each in known]
+    symbols = [each.symbol for each in known or ()] or list(range(symbol, symbol + len(methods)))
     # A line of one point would be invisible.
-    looks = _looks(methods, symbol, ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)
+    looks = _looks(methods, symbols, [each.line for each in known or ()],
+                   ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)  # fmt: skip
     one = len(names) == len(methods) == 1
     free, marked = False, dict[str, set[str]]()
     for i in range(len(names)):
@@ -63,12 +75,12 @@ def draw_curves(
             if log and by == "approach" and len(names) > 1 and not (curve > 0.0).any():
                 # Errors that are all negative have no place on a logarithmic scale.
                 continue
-            colour = curve_colour(axes, first + i)
+            colour = curve_colour(axes, colours[i])
             places = places_of(curve[along])
             every = max(1, curve.size // MAX_SYMBOLS)
             if end := free_end(curve):
                 axes.plot(places[end], curve[end], color=colour, linestyle="none",
-                          marker=MARKERS[(symbol + j) % len(MARKERS)])  # fmt: skip
+                          marker=MARKERS[symbols[j] % len(MARKERS)])  # fmt: skip
                 free = True
             label = coordinate_text(curve[by], by) if by in curve.coords else ""
             if ends:
@@ -79,14 +91,14 @@ def draw_curves(
                                 markevery=every, label=None if grouped else label or None,
                                 **looks[j])  # fmt: skip
             if not grouped:
-                note_curve(line, group, label, first + i)
+                note_curve(line, group, label, colours[i])
             flagged = {kind: each.isel(chosen) for kind, each in flags.items()}
             for kind in mark_curve(axes, places, curve, flagged, colour, every):
                 marked.setdefault(kind, set()).add(colour)
     if grouped:
         _label_groups(drawn, axes, by, looks, group, first)
     if ends:
-        _label_band(axes, band, curve_colour(axes, first) if one else grey(axes, 0.4), one=one)
+        _label_band(axes, band, curve_colour(axes, colours[0]) if one else grey(axes, 0.4), one=one)
     if free:
         remove_labelled(axes, FREE_END)
         label_free_end(axes)
@@ -143,7 +155,9 @@ def _label_groups(
                   label=coordinate_text(method, "approach"))  # fmt: skip
 
 
-def _looks(methods: Sequence[Any], first: int, *, ordered: bool) -> list[dict[str, Any]]:
+def _looks(
+    methods: Sequence[Any], symbols: Sequence[int], known: Sequence[int], *, ordered: bool
+) -> list[dict[str, Any]]:
     """Symbol and line of each curve: symbols for simulations and lines for theories if both occur.
 
     Lines of several methods differ, because they often coincide.
@@ -152,13 +166,13 @@ def _looks(methods: Sequence[Any], first: int, *, ordered: bool) -> list[dict[st
     both = ordered and any(simulated) and not all(simulated)
     looks: list[dict[str, Any]] = []
     lines = 0
-    for i, (method, simulation) in enumerate(zip(methods, simulated, strict=True), first):
-        line = LINES[lines % len(LINES)]
+    for i, (method, simulation) in enumerate(zip(methods, simulated, strict=True)):
+        line = LINES[(known[i] if known else lines) % len(LINES)]
         if not ordered or (both and simulation):
             line = "none"
         elif method is not None:
             lines += 1
-        marker = "" if both and not simulation else MARKERS[i % len(MARKERS)]
+        marker = "" if both and not simulation else MARKERS[symbols[i] % len(MARKERS)]
         looks.append({"linestyle": line, "marker": marker, "zorder": 2.1 if line == "none" else 2})
     return looks
 

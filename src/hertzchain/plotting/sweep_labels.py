@@ -13,6 +13,7 @@ from ..store.schema_paths import is_place
 from ..sweeps.kept import SWEEP_QUANTITIES
 from ..sweeps.placed import placed
 from ..units import PERCENT
+from .methods import METHODS
 from .style import literal, with_micro
 
 if TYPE_CHECKING:
@@ -46,13 +47,6 @@ RATIOS: Final = MappingProxyType({
 })  # fmt: skip
 # Labels of axes that do not introduce values, as ``beads = 20`` does.
 OF_AXES: Final = MappingProxyType({"rate": "rate of the taper", "beads": "number of beads $N$"})
-# Names of methods, as in plots of pulses.
-METHODS: Final = MappingProxyType({
-    "propagate": "propagation", "simulate": "simulation", "bca": "BCA",
-    "hard-sphere": "hard spheres", "two-thirds-bca": "2/3 BCA", "modified-bca": "modified BCA",
-    "modified-bca-printed": "modified BCA, printed", "local-rate": "local-rate law",
-    "piecewise-local-rate": "piecewise local-rate law",
-})  # fmt: skip
 # Prefixes of variables that are errors, and their names.
 ERRORS: Final = MappingProxyType(
     {"worst_error_of_": "largest error of", "relative_error_of_": "error of"}
@@ -219,7 +213,8 @@ def _with_unit(text: str, values: xr.DataArray) -> str:
 def coordinate_text(value: xr.DataArray, name: str) -> str:
     """A value of an axis in words."""
     if name == "approach":
-        return METHODS.get(value.item(), literal(str(value.item())))
+        method = METHODS.get(value.item())
+        return method.name if method else literal(str(value.item()))
     unit = value.attrs.get("units", "1")
     # The rate of a taper has its symbol, as in the label of an axis.
     symbol = value.attrs.get("symbol")

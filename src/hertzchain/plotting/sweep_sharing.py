@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 
 from ..representation import MICROSECONDS, MILLISECONDS
 from ..units import PERCENT
+from .colours import COLOURS
 from .curve_notes import CurveNotes
 from .labels import distinguish, numbered
 from .shared_axes import PREFIXED, SMALL, prefixed
@@ -95,7 +96,16 @@ def first_free_colour(axes: Axes, first: int, count: int) -> int:
         for line in axes.lines
     )  # fmt: skip
     first += 0 if used else others
-    return first if used.isdisjoint(range(first, first + count)) else max(used) + 1
+    taken = {each % len(COLOURS) for each in used if each >= 0}
+    for begin in (first, *range(first + 1, first + len(COLOURS))):
+        if taken.isdisjoint(i % len(COLOURS) for i in range(begin, begin + count)):
+            return begin
+    return max(used) + 1
+
+
+def has_curves(axes: Axes) -> bool:
+    """Whether axes have curves of a sweep."""
+    return bool(_curves.of(axes))
 
 
 def note_curve(line: Line2D, group: Group, label: str, colour: int) -> None:

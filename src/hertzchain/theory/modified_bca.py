@@ -269,7 +269,7 @@ def modified_bca(
             correction, method = coefficients, "modified BCA"
         else:
             correction = calibrated_corrections()[taper]
-            method = "modified BCA, calibrated"
+            method = "modified BCA"
         velocity = correction.velocity(bca(chain).velocity, rate, k)
     velocity[0] = 1.0
     notes = {"velocity": ERRORS} if coefficients == "calibrated" else {}

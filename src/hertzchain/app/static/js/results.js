@@ -130,4 +130,4 @@ export class Results {
 }
 
 /** Name of a theory for people. @param {string} name */
-export const title = (name) => name.replace(/-printed$/, ", as printed").replaceAll("-", " ").replace("bca", "BCA");
+export const title = (name) => name.replace("-printed", ", printed").replace("two-thirds", "2/3").replace(/-(?!rate)/g, " ").replace(/rate$/, "rate law").replace("bca", "BCA");

@@ -134,8 +134,8 @@ def about(document: object = None, view: object = None) -> dict[str, Any]:
         "tapers": {name: dict(taper.symbols) for name, taper in TAPERS.items()},
         "materials": list(catalogue()),
         "quantities": {
-            each.name: {"description": each.description, "symbol": each.symbol, "unit": each.unit,
-                        "per": each.per, "estimate": each.estimate}
+            each.name: {"description": each.description.replace("^2", "²"), "symbol": each.symbol,
+                        "unit": each.unit, "per": each.per, "estimate": each.estimate}
             for each in QUANTITIES.values()
         },
         "factors": _factors(),

@@ -363,6 +363,7 @@ def test_a_chain_with_a_wall_begins_without_a_sensor():
     assert about(wall)["sensors"] == []
     # The page chooses the middle bead; its example has a sensor, too.
     assert about(TAPER)["sensors"] is about()["sensors"] is None
+    assert "m v² / 2" in about()["quantities"]["energy"]["description"]
 
 
 def test_the_table_explains_negative_residence_times(client):

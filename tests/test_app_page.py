@@ -642,7 +642,7 @@ STEEL_BALLS = (
     "first_diameter=20+mm&last_diameter={}+mm&beads=20&materials=steel-52100&velocity=0.1+m/s&"
     "right_wall.rigid=false"
 )
-# Time and force of the top of each curve of the force on the right wall, in pixels, own one first;
+# Time and force of the top of each curve of the force on the right wall, in pixels, A first;
 # and the positions and texts of the ticks of the time axis.
 TOPS = """() => {
   const tops = [...document.querySelectorAll('#chart-force path.wall-right')].map((path) =>
@@ -670,9 +670,9 @@ def test_both_chains_are_drawn_at_their_true_times(page, clock):
         assert len(times) >= 3
         assert np.allclose(np.diff(times), times[1] - times[0], rtol=1e-9)
         slope, start = np.polyfit(times, places, 1)
-        for (x, _), n in zip(tops, order, strict=True):
+        for (x, _), wall in zip(tops, walls, strict=True):
             # Coordinates are rounded to a tenth of a pixel.
-            assert (x - start) / slope == pytest.approx(1e3 * walls[n].peak_time, abs=0.1 / slope)
+            assert (x - start) / slope == pytest.approx(1e3 * wall.peak_time, abs=0.1 / slope)
         legend = page.tab.text_content("#legend-force")
         assert f"right wall: peak {walls[order[0]].peak:#.4g} N" in legend
         assert f"at {1e3 * walls[order[0]].peak_time:#.4g} ms" in legend

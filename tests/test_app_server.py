@@ -738,7 +738,7 @@ def test_a_run_is_described_by_its_own_warnings_and_units(client):
     assert run["warnings"][0].startswith("contacts would be dented, and forces may be lower: p")
     assert run["warnings"][1].startswith("overlap / radius")
     (assumed,) = run["warnings"][2:]
-    assert assumed.startswith("peak if contacts yield at 1.6 Y: the pressure at which contacts")
+    assert assumed.startswith("peak if contacts yield at 1.6 Y: the yield pressure is assumed")
     # The run for the page ends as that of `simulate` without `until`.
     found = re.match(
         r"the run ends at t = (\d+\.\d+) ms, with 1 contact still closed", run["message"]

@@ -243,6 +243,7 @@ def test_a_dry_run_states_the_search_and_the_given_chain(file, tmp_path, run):
     assert shown[1] == "84 choices for 3 places, method 'enumerate'"
     assert shown[2] == "12 chains to compare with, budget 500 simulations"
     assert shown[3] == f"the given chain: wall_force.peak {peak:.4g} N"
+    assert re.fullmatch(r"  pressure / yield 0\.\d+ at contact \d+ .limit 1.", shown[4])
     document = json.loads(run(file, "--dry-run", "--budget", "10 s", "--json").stdout)
     assert document["values"]["wall_force.peak"] == pytest.approx(peak, rel=1e-6)
     assert 0.0 < document["seconds_per_trial"] < 1.0
@@ -844,11 +845,29 @@ def test_a_striker_that_varies_is_a_note(optional):
         found = hc.design(given, budget=100)
         notes.append([each for each in found.notes if "striker" in each])
         text = in_lines(given, dry_run(given, budget=100))
+        value, own = given.evaluate(row).values["wall_force.peak"], found.value
+        assert (
+            f"  given chain: {value:.4g} N\n    this design: {own / value:.1%}" in found.summary()
+        )
         assert [f"note: {each}" for each in notes[-1]] == [
             line for line in text.splitlines() if "striker" in line
         ]
     assert notes == [["the striker varies, too, and with it the impact; beads = '2:' lets only the "
                       "beads behind vary"], []]  # fmt: skip
+
+
+def test_a_dry_run_states_that_contacts_yield_which_the_search_assumes_to_be_elastic():
+    row = hc.Chain.from_materials("3 mm", "steel-52100", beads=3, velocity="1 m/s")
+    row = row.replace(right_wall=hc.Wall())
+    with pytest.warns(hc.ModelRangeWarning, match="pressure / yield is") as caught:
+        hc.simulate(row, rtol=1e-10)
+    ratio = re.search(r"yield is (\S+) at", str(caught[0].message))[1]
+    for limits, advice in (({}, "search with"), ({"yield_ratio": "<= 9"}, "remove yield_ratio")):
+        given = hc.Design(row, minimise="wall_force.peak", subject_to=limits,
+                          vary=[hc.vary.balls(materials="steel-52100", beads="2:")])  # fmt: skip
+        text = in_lines(given, dry_run(given, budget=600))
+        assert re.search(rf"  pressure / yield {ratio} at contact \d .*: {advice}", text)
+        assert "the search assumes elastic contacts" in text
 
 
 def test_a_dry_run_of_slow_trials_times_few(monkeypatch):

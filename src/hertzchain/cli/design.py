@@ -121,7 +121,7 @@ def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None
 
     found = dry_run(problem, **options)
     if not as_json:
-        click.echo(in_lines(problem, found))
+        show_text(on_command_line(in_lines(problem, found)))
         return
     show_json({
         "method": found.method, "size": found.size, "compared": found.compared,

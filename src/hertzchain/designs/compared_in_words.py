@@ -11,9 +11,9 @@ from ..chain.yield_pressure import assumes_pressure
 from ..representation import listed
 from .comparison import (
     advantage,
+    compared_chains,
     objective_if_fully_plastic,
     objective_if_yielding,
-    references_in_words,
     value_in_samples,
 )
 from .limits_if_yielding import violated_if_fully_plastic, violated_only_if_yielding
@@ -61,7 +61,7 @@ def comparison_lines(result: DesignResult) -> list[str]:
     single = result.problem.objective.single
     lines = [(str(single or "score"), *(each.title for each in columns))]
     lines.append(("  this design", *_shown_row(result, columns, result.verified)))
-    for name, found in references_in_words(result).items():
+    for name, found in compared_chains(result).items():
         lines.append((f"{name}:",))
         lines.append(("  value", *_shown_row(result, columns, found)))
         if met(result.problem, found.values):
@@ -106,7 +106,7 @@ def _columns(result: DesignResult) -> list[Column]:
         Column(YIELD_HIGH, lambda found: objective_if_fully_plastic(result, found), harder,
                AT_FULLY_PLASTIC),
     ]  # fmt: skip
-    chains = [result.verified, *result.references.values()]
+    chains = [result.verified, *compared_chains(result).values()]
     for each in further:
         last = columns[-1]
         pairs = [(result._shown(last.value(one)), result._shown(each.value(one)))
@@ -222,7 +222,7 @@ def _phrases(kinds: dict[str, str]) -> list[str]:
 def _single_values(result: DesignResult, column: Column) -> list[str]:
     """The chains to compare with, if they have one value each."""
     lines = []
-    for name, found in references_in_words(result).items():
+    for name, found in compared_chains(result).items():
         (value,) = _shown_row(result, [column], found)
         lines.append(f"  {name}: {value}")
         if met(result.problem, found.values):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 from ..chain.yield_pressure import assumes_pressure
+from ..errors import InputError, SimulationError
 from ..representation import counted
 from ..simulation.state import fingerprint
 from .ball_space import BallSpace
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 # Name of the design among chains that are shown.
 DESIGN: Final = "design"
 # Relative difference of values that is not reported.
+GIVEN: Final = "given chain"
 NEGLIGIBLE: Final = 1e-3
 
 
@@ -199,6 +201,27 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
         return f"{text}, {balls}" if balls else text
 
     return {described(name): found for name, found in result.references.items()}
+
+
+def compared_chains(result: DesignResult) -> dict[str, Verified]:
+    """The given chain, if it is no reference and has a value, and the references, in words."""
+    found = references_in_words(result)
+    given = _given(result)
+    if given is None or any(_same(given, each) for each in found.values()):
+        return found
+    return {GIVEN: given} | found
+
+
+def _given(result: DesignResult) -> Verified | None:
+    """Numbers of the given chain, unless other lines of the summary state them."""
+    unmet = not (result.met or result.front or result.problem.scatter is not None)
+    if unmet or not result.references:
+        return None
+    try:
+        given = result._initial
+    except (InputError, SimulationError):
+        return None
+    return given if math.isfinite(result.objective_of(given)) else None
 
 
 def _sorted_balls(result: DesignResult, name: str) -> str:

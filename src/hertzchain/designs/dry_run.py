@@ -12,15 +12,18 @@ from typing import Any, Final
 import numpy as np
 
 from ..representation import counted, duration_in_words
+from ..simulation.yielding import yields
 from .ball_space import BallSpace
 from .bounds import note_on_impact
 from .genetic import BATCH, Population, search
+from .limits_if_yielding import with_law_of_yield
 from .measures import in_words
 from .methods import run_method
 from .problem import Design
 from .reference_chains import reference_points
 from .search_budget import Budget
 from .trials import RTOL, Trials
+from .verified import Verified
 
 # Numbers of choices from which only two digits are printed.
 MANY: Final = 1e7
@@ -57,6 +60,8 @@ class Estimate:
         Number of choices; infinite for sizes, whose searches may end before the budget is used.
     impossible : str or None
         The reason why a constraint cannot be met, and the search would not begin.
+    pressure : str
+        Largest pressure over yield in this chain, in words; empty without materials.
     """
 
     method: str
@@ -68,6 +73,7 @@ class Estimate:
     samples: int
     choices: float = math.inf
     impossible: str | None = None
+    pressure: str = ""
 
     @property
     def seconds(self) -> float:
@@ -102,10 +108,22 @@ def estimate(
         size = f"{known} for {counted(space.size, 'place')}"
     else:
         size = counted(space.size, "variable")
+    given = problem.evaluate(problem.chain)
     return Estimate(
-        method, size, compared, budget, problem.evaluate(problem.chain).values,
-        each, trials.samples, choices, impossible,
+        method, size, compared, budget, given.values, each, trials.samples, choices, impossible,
+        _pressure(problem, given),
     )  # fmt: skip
+
+
+def _pressure(problem: Design, given: Verified) -> str:
+    """The largest pressure over yield in the given chain, and what the search assumes beyond it."""
+    if given.hertz_range is None:
+        return ""
+    text = f"pressure / yield {given.hertz_range._pressure(' (limit 1)')}"
+    if not yields(given.hertz_range):
+        return text
+    advice = with_law_of_yield(problem, "search with loss=ElasticPlastic()")
+    return f"{text}: contacts yield, but the search assumes elastic contacts: {advice}"
 
 
 def _time_of_trials(trials: Trials, points: list[Any]) -> float:
@@ -159,6 +177,7 @@ def in_lines(problem: Design, found: Estimate) -> str:
     shown = (f"{name} {in_words(value, units[name], problem.chain.units)}"
              for name, value in found.given.items() if value == value)  # fmt: skip
     lines.append(f"the given chain: {', '.join(shown)}")
+    lines += [f"  {found.pressure}"] if found.pressure else []
     lines += [f"note: {note}" for note in note_on_impact(problem)]
     if found.impossible is not None:
         return "\n".join(lines)

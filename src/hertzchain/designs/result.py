@@ -167,7 +167,10 @@ class DesignResult:
     @cached_property
     def _initial(self) -> Verified:
         """Numbers of the chain of the problem."""
-        return quietly(self.problem, self.problem.chain, nan, None)
+        from .yield_range import with_yield_range
+
+        found = quietly(self.problem, self.problem.chain, nan, None)
+        return with_yield_range(self.problem, found)
 
     @property
     def yield_range(self) -> tuple[float, float] | None:

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..designs.compared_in_words import compared_in_words
-from ..designs.comparison import references_in_words
+from ..designs.comparison import compared_chains
 from ..designs.distribution import Distribution
 from ..designs.limits_if_yielding import not_met_in_words
 from ..designs.measures import notes_on
@@ -33,7 +33,7 @@ def design_html(result: DesignResult) -> str:
     found["search"] = f"{search_in_words(result)}, {result.runs} simulations"
     found |= {
         name: compared_in_words(result, each).strip()
-        for name, each in references_in_words(result).items()
+        for name, each in compared_chains(result).items()
     }
     for each in problem.requirements:
         value = result.values[str(each.measure)]

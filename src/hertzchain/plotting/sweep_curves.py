@@ -49,22 +49,10 @@ def draw_curves(
     names = drawn[by].to_numpy().tolist() if by in drawn.dims else [None]
     own = drawn["approach"].to_numpy().tolist() if grouped else names if by == "approach" else []
     methods = own or [None] * len(names)
-    # Methods of a legend that several quantities share have the same symbol in each.
-    symbol = first
-    first = first_free_colour(axes, begin := 0 if grouped else first, len(names))
-    symbol = symbol if grouped else first
-    # Methods of a second quantity in the same axes have other colours.
-    known = (
-        looks_of_methods([*map(str, own)])
-        if any(own) and (grouped or (first == begin and not has_curves(axes)))
-        else None
-    )
-    colours = list(range(first, first + len(names)))
-    if known and not grouped:
-        colours = [each.colour for each in known]
-    symbols = [each.symbol for each in known or ()] or list(range(symbol, symbol + len(methods)))
+    counts = len(names), len(methods)
+    first, colours, symbols, lines = _numbers(axes, own, first, counts, grouped=grouped)
     # A line of one point would be invisible.
-    looks = _looks(methods, symbols, [each.line for each in known or ()],
+    looks = _looks(methods, symbols, lines,
                    ordered=_ordered(drawn[along]) and drawn.sizes[along] > 1)  # fmt: skip
     one = len(names) == len(methods) == 1
     free, marked = False, dict[str, set[str]]()
@@ -104,6 +92,24 @@ def draw_curves(
         label_free_end(axes)
     label_marks(axes, marked, law=law)
     _set_axes(axes, drawn, along, log=log)
+
+
+def _numbers(
+    axes: Axes, own: Sequence[Any], first: int, counts: tuple[int, int], *, grouped: bool
+) -> tuple[int, list[int], list[int], list[int]]:
+    """Numbers of the first colour, of all colours, symbols and, of methods, lines."""
+    # Methods of a legend that several quantities share have the same symbol in each.
+    symbol, begin = first, 0 if grouped else first
+    first = first_free_colour(axes, begin, counts[0])
+    symbol = symbol if grouped else first
+    colours = list(range(first, first + counts[0]))
+    # Methods of a second quantity in the same axes have other colours.
+    keep = grouped or (first == begin and not has_curves(axes))
+    known = looks_of_methods([*map(str, own)]) if any(own) and keep else None
+    if known is None:
+        return first, colours, list(range(symbol, symbol + counts[1])), []
+    colours = colours if grouped else [each.colour for each in known]
+    return first, colours, [each.symbol for each in known], [each.line for each in known]
 
 
 def _draw_band(

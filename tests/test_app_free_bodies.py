@@ -58,7 +58,7 @@ def test_the_page_and_the_command_show_the_same_later_pulse(tmp_path):
     shown = json.loads(command.stdout)
     assert shown["last_bead_force"]["complete"]
     assert largest[1] == pytest.approx(shown["last_bead_force"]["force"], rel=1e-6)
-    assert arrays["times"][-1] > shown["last_bead_force"]["time"]
+    assert arrays["times"][-1] > shown["last_bead_force"]["force_time"]
     figure = export({"kind": "forces", "document": {"chain": early}}, lambda: False)
     lines = figure.content.decode().splitlines()
     assert max(float(line.split(",")[-1]) for line in lines[1:]) > 199.0

@@ -204,7 +204,7 @@ def references_in_words(result: DesignResult) -> dict[str, Verified]:
 
 
 def compared_chains(result: DesignResult) -> dict[str, Verified]:
-    """The given chain, if it is no reference and has a value, and the references, in words."""
+    """The given chain, if it is not among the references and has a value, and these, in words."""
     found = references_in_words(result)
     given = _given(result)
     if given is None or any(_same(given, each) for each in found.values()):

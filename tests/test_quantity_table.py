@@ -180,7 +180,7 @@ def test_errors_of_speed_follow_from_those_of_residence():
 def test_speed_needs_residence_times():
     theory = hc.modified_bca(hc.Chain.tapered("forward-linear", 0.005, beads=9))
     with pytest.raises(
-        hc.InputError, match="calibrated does not predict speed, only velocity, mom"
+        hc.InputError, match="modified BCA does not predict speed, only velocity, mom"
     ):
         theory.plot("speed")
 

@@ -110,7 +110,7 @@ class Comparison:
         >>> pulse.compare(pulse).errors("velocity")
         array([0., 0., 0.])
         """
-        if quantity not in COLUMN_QUANTITIES:
+        if not (isinstance(quantity, str) and quantity in COLUMN_QUANTITIES):
             check_choice("quantity", quantity, self.quantities)
         ours, theirs = self.pulse._predicted(quantity), self.reference._predicted(quantity)
         return (ours - theirs) / np.where(theirs == 0.0, 1.0, theirs)

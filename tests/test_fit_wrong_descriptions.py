@@ -156,6 +156,7 @@ def test_a_slightly_stiffer_wall_is_no_noise(seed):
     assert "noise" not in advice
 
 
+@pytest.mark.long
 def test_random_errors_of_times_are_named():
     """Each row has an error of its time; the file states even times."""
     rng = np.random.default_rng(6)
@@ -184,6 +185,7 @@ def test_a_noise_proportional_to_the_signal_is_named():
     assert float(size) == pytest.approx(0.02, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_stiffer_wall_is_named_if_only_priors_fix_the_gains():
     """The error of the stiffness of the wall is then that of the priors, larger than its change."""
 

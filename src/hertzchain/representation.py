@@ -94,9 +94,9 @@ def _broken(line: str, width: int, below: int) -> list[str]:
     return [each.replace(NO_BREAK, " ") for each in lines]
 
 
-def without_exponent(value: float) -> str:
-    """A number with four digits, up to a million without an exponent of ten."""
-    return f"{float(f'{value:.4g}'):g}"
+def without_exponent(value: float, digits: int = 4) -> str:
+    """A number with so many digits, up to a million without an exponent of ten."""
+    return f"{float(f'{value:.{digits}g}'):g}"
 
 
 def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:

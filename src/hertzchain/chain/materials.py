@@ -11,7 +11,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from importlib.resources import files
 from typing import Any, Final, Self, TypeAlias
@@ -144,7 +144,7 @@ class Material:
         for name in changes:
             if name not in names:
                 raise unknown_name_error("field of a material", name, names)
-        return type(self)(**({name: getattr(self, name) for name in names} | changes))
+        return replace(self, **changes)
 
     @property
     def compliance(self) -> float:

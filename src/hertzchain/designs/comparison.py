@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 # Name of the design among chains that are shown.
 DESIGN: Final = "design"
-# Relative difference of values that is not reported.
 GIVEN: Final = "given chain"
+# Relative difference of values that is not reported.
 NEGLIGIBLE: Final = 1e-3
 
 
@@ -215,13 +215,16 @@ def compared_chains(result: DesignResult) -> dict[str, Verified]:
 def _given(result: DesignResult) -> Verified | None:
     """Numbers of the given chain, unless other lines of the summary state them."""
     unmet = not (result.met or result.front or result.problem.scatter is not None)
-    if unmet or not result.references:
-        return None
+    given = None if unmet or not result.references else given_chain(result)
+    return given if given is not None and math.isfinite(result.objective_of(given)) else None
+
+
+def given_chain(result: DesignResult) -> Verified | None:
+    """Numbers of the given chain, if it can be simulated."""
     try:
-        given = result._initial
+        return result._initial
     except (InputError, SimulationError):
         return None
-    return given if math.isfinite(result.objective_of(given)) else None
 
 
 def _sorted_balls(result: DesignResult, name: str) -> str:

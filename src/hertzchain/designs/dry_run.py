@@ -11,7 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from ..representation import counted, duration_in_words
+from ..representation import counted, duration_in_words, without_exponent
 from ..simulation.yielding import yields
 from .ball_space import BallSpace
 from .bounds import note_on_impact
@@ -182,6 +182,7 @@ def in_lines(problem: Design, found: Estimate) -> str:
     if found.impossible is not None:
         return "\n".join(lines)
     whole = " for the whole budget," if found.choices == math.inf else ""
-    lines.append(f"about {float(f'{1e3 * found.trial:.2g}'):g} ms per trial on this machine, about "
-                 f"{duration_in_words(found.seconds)}{whole} without the verification")  # fmt: skip
+    each, total = without_exponent(1e3 * found.trial, 2), duration_in_words(found.seconds)
+    lines.append(f"about {each} ms per trial on this machine, about {total}{whole} without the "
+                 "verification")  # fmt: skip
     return "\n".join(lines)

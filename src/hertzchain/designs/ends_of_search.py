@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import InputError, SimulationError
 from ..representation import listed
 from .ball_space import BallSpace
-from .comparison import best_reference, chosen_balls
+from .comparison import best_reference, chosen_balls, given_chain
 from .measures import in_words
 from .requirements import TOLERANCE, Requirement
 from .verified import Verified
@@ -23,12 +22,8 @@ def not_met_with_given(result: DesignResult) -> list[str]:
     problem = result.problem
     if result.met or result.front or problem.scatter is not None:
         return []
-    try:
-        given = problem.evaluate(problem.chain)
-    except (InputError, SimulationError):
-        return []
-    exceeded = _exceeded(problem.requirements, result.verified)
-    if not exceeded:
+    given, exceeded = given_chain(result), _exceeded(problem.requirements, result.verified)
+    if given is None or not exceeded:
         return []
     shown = [f"{each} ({_value(each, result.verified)}; {_value(each, given)} in the given chain)"
              for each in exceeded]  # fmt: skip

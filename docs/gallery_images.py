@@ -50,6 +50,7 @@ def _save_panel(figure: Any, panel: int, path: Path) -> None:
         each.set_visible(each is axes)
     figure.set_layout_engine("none")
     figure.set_size_inches(*THUMBNAIL)
+    axes.set_aspect("auto")  # so that maps fill the thumbnail
     axes.set_position((0.02, 0.03, 0.96, 0.94))
     axes.tick_params(which="both", length=0)
     for text in figure.findobj(Text):

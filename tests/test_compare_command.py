@@ -270,8 +270,8 @@ def test_a_sensor_in_a_neighbouring_ball_is_named(tmp_path):
     for number in (11, 12):
         (tmp_path / "place.csv").write_text(text.replace("ball 11", f"ball {number}"))
         out = run.compare(hc.load_traces(tmp_path / "place.csv", noise=0.1)).summary(width=None)
-        assert ("the sensor that is named ball 12 is in ball 11, the rms" in out) == (number == 12)
-        assert out.count("the sensor that is named") == (number == 12)
+        assert ("the sensor named ball 12 is in ball 11, the rms" in out) == (number == 12)
+        assert out.count("the sensor named") == (number == 12)
 
 
 def test_exchanged_columns_are_not_also_wrong_gains_or_signs(run, files):

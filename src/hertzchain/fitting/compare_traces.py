@@ -170,9 +170,9 @@ def _place_notes(run: Run, shot: Shot, own: float, spacing: float) -> list[str]:
     if not best < MUCH_BETTER * own:
         return []
     return [
-        f"if the sensor that is named {name} is in {there}, the rms difference falls to "
-        f"{best / own:.0%} of its value: check the place of this "
-        "sensor and the delay of its channel"
+        f"if the sensor named {name} is in {there}, the rms difference falls to "
+        f"{best / own:.0%} of its value: check the place of this sensor and the delay of its "
+        "channel"
     ]
 
 

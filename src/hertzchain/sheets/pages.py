@@ -28,7 +28,7 @@ ON_RATIOS: Final = (
 )
 ON_GAPS: Final = " Gaps delay the pulse, most at small speeds, and can lower or raise the forces."
 INHERITED: Final = (
-    "The load cell has no loss of its own, so that its contact has the law of the row: if it is "
+    "No loss is given for the load cell, so that its contact has the law of the row: if it is "
     "elastic, describe the wall with the loss elastic"
 )
 BEYOND: Final = "Beyond this limit, Hertz's law does not hold: use smaller speeds."

@@ -275,12 +275,11 @@ class Reflection(Compared):
         chain, first, second = self.chain, self.before, self.after
         least, inside = least_distance(chain, second), second not in (0, chain.beads)
         if abs(second - first) < least:
+            sides = f", {WIDTH} on each side of the reflecting object" if inside else ""
             return (
                 f"contacts {first} and {second} are {abs(second - first)} apart, but a wave "
                 f"extends over about {WIDTH}: incident and reflected waves overlap there; choose "
-                f"contacts at least {least} apart"
-                + f", {WIDTH} on each side of the reflecting object"
-                * inside
+                f"contacts at least {least} apart{sides}"
             )
         near = min(second, chain.beads - second)
         if 0 < near < WIDTH:

@@ -81,7 +81,7 @@ def failures(page: Path) -> Iterator[str]:
             # on the page.
             progress = (
                 r"^([\w ]+: \d+( of \d+(, .* left)?| in total)?|hertzchain: compiling once.*"
-                r"|computing a few points to estimate the time)\n"
+                r"|computing a few points to estimate the time|looking for the cause:.*)\n"
             )
             got = out + re.sub(progress, "", err, flags=re.M)
             if not OutputChecker().check_output(_lines(expected), _lines(got), ELLIPSIS):

@@ -103,7 +103,7 @@ def scatter(
     seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
     plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if sizes, gaps, speed or materials scatter.
+    """Show how a quantity varies if sizes, speed, ... scatter.
 
     Many chains with random deviations are simulated, and the distribution of the quantity is
     printed.  All else is as in the given chain.  If there is no striker, bead 1 is the projectile,

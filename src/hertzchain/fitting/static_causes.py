@@ -19,6 +19,8 @@ from .result import FitResult
 
 # Standard errors by which a fitted component of gravity may exceed standard gravity.
 ALLOWED: Final = 3.0
+# Largest error of gravity, in the same multiple and relative, with which a row is called vertical.
+CERTAIN: Final = 0.1
 # Start of a precompression, as a part of the largest measured force.
 PART_OF_PEAK: Final = 0.03
 GRAVITY: Final = (
@@ -31,11 +33,38 @@ PRECOMPRESSION: Final = (
 )
 
 
+def vertical_row(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fit with gravity if its value is that of a vertical row.
+
+    It is tried before searches for odd balls and gaps, which take many times as long.
+    """
+    for cause in _with_gravity(result, start, refit):
+        value, error = (each["gravity"] for each in (cause.result.values, cause.result.errors))
+        if abs(abs(value) - STANDARD_GRAVITY) < ALLOWED * error < CERTAIN * STANDARD_GRAVITY:
+            yield cause
+
+
 def static_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
     """The fits with gravity and with a precompression, if the chains have neither."""
-    if any(chain.gravity or chain.precompression for chain in result.model.chains):
+    yield from _with_gravity(result, start, refit)
+    if _has_static_forces(result.model) or not (forces := _measured_forces(result)):
         return
-    if any(is_free(key, result.model) for key in ("gravity", "precompression")):
+    first = PART_OF_PEAK * max(forces)
+    cause = _with_static(result, Name("precompression"), first, start, refit)
+    if cause is not None:
+        yield replace(cause, advice=PRECOMPRESSION)
+
+
+def _has_static_forces(model: Model) -> bool:
+    """Whether a chain has gravity or a precompression, or may get one in the fit."""
+    return any(chain.gravity or chain.precompression for chain in model.chains) or any(
+        is_free(key, model) for key in ("gravity", "precompression")
+    )
+
+
+def _with_gravity(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
+    """The fits with gravity that is not larger than the standard one."""
+    if _has_static_forces(result.model):
         return
     for first in _accelerations(result):
         cause = _with_static(result, Name("gravity"), first, start, refit)
@@ -43,11 +72,6 @@ def static_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -
             value, error = (each["gravity"] for each in (cause.result.values, cause.result.errors))
             if abs(value) < STANDARD_GRAVITY + ALLOWED * error:
                 yield replace(cause, advice=GRAVITY)
-    if forces := _measured_forces(result):
-        first = PART_OF_PEAK * max(forces)
-        cause = _with_static(result, Name("precompression"), first, start, refit)
-        if cause is not None:
-            yield replace(cause, advice=PRECOMPRESSION)
 
 
 def _measured_forces(result: FitResult) -> list[float]:

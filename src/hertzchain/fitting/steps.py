@@ -16,7 +16,7 @@ from .gap_causes import gap_causes
 from .result import FitResult
 from .row_causes import row_causes
 from .second_pulse import without_second_pulse
-from .static_causes import static_causes
+from .static_causes import static_causes, vertical_row
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,7 @@ STEPS: Final = (
     Step(other_places),
     Step(_counts_and_effects),
     Step(separate_effects),
+    Step(vertical_row, with_zeros=True),
     Step(row_causes, "odd balls", after_delays=True, with_zeros=True),
     Step(gap_causes, "one gap", with_zeros=True),
     Step(with_shots, "differences between shots", with_zeros=True),

@@ -33,7 +33,7 @@ K. L. Johnson, *Contact Mechanics*, Secs. 4.2, 6.1 and 11.4, doi:10.1017/CBO9781
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -159,6 +159,8 @@ class HertzRange:
     overlap_limit: Array
     speed: float = 0.0
     estimated: bool = False
+    # Further advice that the law with yield requires, such as "remove ... and ".
+    _change: str = field(default="", repr=False)
 
     @property
     def largest_yield_ratio(self) -> float:
@@ -265,7 +267,7 @@ class HertzRange:
         if not self.may_yield[contact]:
             return ""
         argument = "yield_overlap=..." if self.given[contact] else ""
-        law = f" or use loss=ElasticPlastic({argument})"
+        law = f" or {self._change}use loss=ElasticPlastic({argument})"
         return f"{law}{self._replaced}"
 
     @property

@@ -16,7 +16,6 @@ from ..simulation.yielding import yields
 from .ball_space import BallSpace
 from .bounds import note_on_impact
 from .genetic import BATCH, Population, search
-from .limits_if_yielding import with_law_of_yield
 from .measures import in_words
 from .methods import run_method
 from .problem import Design
@@ -24,6 +23,7 @@ from .reference_chains import reference_points
 from .search_budget import Budget
 from .trials import RTOL, Trials
 from .verified import Verified
+from .yielding import advice_with_yield
 
 # Numbers of choices from which only two digits are printed.
 MANY: Final = 1e7
@@ -122,7 +122,7 @@ def _pressure(problem: Design, given: Verified) -> str:
     text = f"pressure / yield {given.hertz_range._pressure(' (limit 1)')}"
     if not yields(given.hertz_range):
         return text
-    advice = with_law_of_yield(problem, "search with loss=ElasticPlastic()")
+    advice = advice_with_yield(problem)
     return f"{text}: contacts yield, but the search assumes elastic contacts: {advice}"
 
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import re
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from ..representation import listed
 from .default_limits import OVERLAP
 from .problem import Design
 from .requirements import TOLERANCE, Requirement
 from .verified import AT_FULLY_PLASTIC, WITH_YIELD, Verified
+from .yielding import advice_with_yield
 
 if TYPE_CHECKING:
     from .result import DesignResult
-
-YIELD: Final = "yield_ratio"
 
 
 def value_with_yield(limit: Requirement, found: Verified) -> float | None:
@@ -80,20 +78,8 @@ def search_with_yield(result: DesignResult) -> list[str]:
         text += f", so that {outside} of them do NOT meet {exceeded}" * bool(outside)
     else:
         text = "contacts yield" + f", and then the design does NOT meet {exceeded}" * bool(exceeded)
-    advice = with_law_of_yield(result.problem, "search with loss=ElasticPlastic()")
+    advice = advice_with_yield(result.problem)
     return [f"{text}; the search assumed elastic contacts: {advice}"]
-
-
-def with_law_of_yield(problem: Design, advice: str) -> str:
-    """Advice to use a law with yield, with which chains have no `yield_ratio` to search for."""
-    change = ""
-    if any(each.key == YIELD for each in problem.objective.measures):
-        change = f"replace the objective {YIELD}"
-    elif any(each.measure.key == YIELD for each in problem.requirements):
-        change = f"remove {YIELD} from subject_to"
-    if not change:
-        return advice
-    return re.sub(r"\b(use|search with) (?=loss=ElasticPlastic)", f"{change} and use ", advice)
 
 
 def requirement_with_yield(limit: Requirement, found: Verified) -> str:

@@ -26,7 +26,6 @@ from .limits_if_yielding import (
     not_met_in_words,
     requirement_with_yield,
     search_with_yield,
-    with_law_of_yield,
 )
 from .measures import Measure, in_words, without_in_words
 from .methods import SEEDED
@@ -82,8 +81,7 @@ def summary(result: DesignResult) -> str:
         lines += [
             f"  {i}: {point_in_words(point)}" for i, point in enumerate(result.front, start=1)
         ]
-    notes = [with_law_of_yield(problem, note) for note in (*result.notes, _assumed(result))]
-    lines += [f"note: {note}" for note in notes if note]
+    lines += [f"note: {note}" for note in (*result.notes, _assumed(result)) if note]
     return "\n".join(lines)
 
 

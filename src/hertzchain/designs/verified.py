@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -46,7 +46,7 @@ from .measures import (
 from .new_samples import sampled_values, summary_of_samples
 from .problem import Design
 from .requirements import TOLERANCE, violation
-from .yielding import NOT_YIELDING
+from .yielding import NOT_YIELDING, change_with_yield
 
 RTOL: Final = 1e-11
 # The run is repeated for this multiple of its duration, to find a later and higher peak, or to
@@ -216,7 +216,8 @@ def verify_chain(
     limits, stiff = None, tuple[str, ...]()
     if chain.materials is not None and chain.units == "SI" and not table.reasons:
         overlaps = table._overlaps[0, : chain.beads + 1]
-        limits = hertz_range(chain, overlaps)
+        change = change_with_yield(problem)
+        limits = replace(hertz_range(chain, overlaps), _change=change and f"{change} and ")
         stiff = stiff_wall_notes(chain, overlaps)
         remarks = [limits._remark] if limits._remark else []
         notes += [*limits.violations, *_missing_limits(problem, limits), *remarks,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
@@ -20,8 +20,12 @@ from ..simulation.yielding import (
 from .measured import measured
 from .measures import RANGE, Measure, in_words
 
+if TYPE_CHECKING:
+    from .problem import Design
+
 # Measures that are computed from overlaps by the elastic law.
 NOT_YIELDING: Final = ("largest_force", *RANGE)
+YIELD: Final = "yield_ratio"
 
 
 def value_if_yielding(
@@ -56,3 +60,17 @@ def yielding_note(what: str, measure: Measure, elastic: float, yielding: WithYie
         return f"with contacts that yield, {what} is {value}, {yielding.caution}"
     part = f", {yielding.value / elastic:.1%} of the elastic value" if elastic else ""
     return f"with contacts that yield, {what} is {value}{part}"
+
+
+def change_with_yield(problem: Design) -> str:
+    """The change that a law of yield requires, because its chains have no `yield_ratio`."""
+    if any(each.key == YIELD for each in problem.objective.measures):
+        return f"replace the objective {YIELD}"
+    limited = any(each.measure.key == YIELD for each in problem.requirements)
+    return f"remove {YIELD} from subject_to" if limited else ""
+
+
+def advice_with_yield(problem: Design) -> str:
+    """Advice to search with a law of yield."""
+    change = change_with_yield(problem)
+    return f"{f'{change} and use' if change else 'search with'} loss=ElasticPlastic()"

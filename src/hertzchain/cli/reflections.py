@@ -44,9 +44,10 @@ reflection_option = click.option(
 
 
 def reflection_in_words(run: Run, contacts: Contacts) -> str:
-    """The coefficients of a run, in the words of their representation."""
-    text = repr(run.reflection(*contacts))
-    return f"reflection: {text.removeprefix('Reflection(').removesuffix(')')}"
+    """The coefficients of a run, those of each direction on a line."""
+    about, kept, reflected, transmitted, momentum = run.reflection(*contacts)._words
+    return (f"reflection: {about}, {kept}:\n    {reflected};\n"
+            f"    {transmitted}; {momentum}")  # fmt: skip
 
 
 def reflection_as_dict(run: Run, contacts: Contacts) -> dict[str, Any]:

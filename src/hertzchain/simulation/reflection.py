@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final
 from ..chain.chain import Chain
 from ..errors import IncompleteWarning, InputWarning, warn_user
 from ..frozen import Compared
-from ..representation import MAX_WIDTH, counted, measure
+from ..representation import counted, measure, short
 from ..validation.keywords import checked_methods
 from .wave_events import WaveEvent
 
@@ -306,25 +306,26 @@ class Reflection(Compared):
 
         return reflection_html(self)
 
-    def __repr__(self) -> str:
+    @property
+    def _words(self) -> list[str]:
+        """The contacts, the energy kept, the reflected and transmitted waves, the momentum kept."""
         ended = "another wave entered" if self.disturbed else "nothing else entered"
         if self.entered_energy > SHOWN:
             ended = f"waves with energy {self.entered_energy:.4f} entered"
         end = measure(self.until, "s", self.chain.units)
-        rest = "\n        " if self._nearby else " "  # a range leaves no space for the momentum
-        overlap = "; the waves overlap" if self.overlapping else ""
-        first = f"Reflection(contacts {self.before} to {self.after}, until t = {end}, {ended},"
-        kept = f"energy kept {self.kept_energy:.4f}{self._separated}{self._unexplained}:"
-        space = " " if len(first) + len(kept) < MAX_WIDTH else "\n        "
-        return (
-            f"{first}{space}{kept}\n"
-            f"    reflected energy {self.reflected_energy:.4f}{self._nearby},{rest}"
+        return [
+            f"contacts {self.before} to {self.after}, until t = {end}, {ended}",
+            f"energy kept {self.kept_energy:.4f}{self._separated}{self._unexplained}",
+            f"reflected energy {self.reflected_energy:.4f}{self._nearby}, "
             f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')}"
-            f"{overlap};\n"
-            f"    transmitted energy {self.transmitted_energy:.4f}, "
-            f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}; "
-            f"momentum kept {self.kept_momentum:.4f})"
-        )
+            f"{'; the waves overlap' if self.overlapping else ''}",
+            f"transmitted energy {self.transmitted_energy:.4f}, "
+            f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}",
+            f"momentum kept {self.kept_momentum:.4f}",
+        ]
+
+    def __repr__(self) -> str:
+        return short("Reflection", *self._words)
 
 
 def least_distance(chain: Chain, after: int) -> int:

@@ -44,6 +44,8 @@ STEEL = "steel-52100"
     (lambda: hc.Chain.uniform(4).with_scatter(1, scatter=0.01), "; use relative=0.01$"),
     (lambda: hc.Chain.uniform(4).struck_by(mass=2.0, flat=True), '; use radius="flat"$'),
     (lambda: hc.disorder(hc.Chain.uniform(40), relative=0.01), "; use scatter=0.01$"),
+    (lambda: hc.disorder(hc.Chain.uniform(40), 0.01, beads="2:"),
+     "'beads'; use distribution with .* beads"),
     (lambda: hc.simulate(hc.Chain.uniform(4), wall=hc.Wall()),
      "simulate has no argument 'wall'; use chain.replace\\(right_wall=...\\)$"),
     (lambda: hc.propagate(hc.Chain.uniform(4), gravity=1), "use chain.replace\\(gravity=...\\)$"),

@@ -13,7 +13,8 @@ import hertzchain as hc
     ("name", "meant"),
     [("materials", "catalogue"), ("tapered_chain", "Chain.tapered"), ("load_trace", "load_traces"),
      ("Soliton", "solitary_wave"), ("steady_rates", "theory.steady_rates"),
-     ("modes", "spectrum"), ("reproduce", "paper.reproduce"), ("Plot_Run", "plotting.plot_run")],
+     ("modes", "spectrum"), ("reflection", "simulate(chain).reflection"),
+     ("reproduce", "paper.reproduce"), ("Plot_Run", "plotting.plot_run")],
 )  # fmt: skip
 def test_unknown_names_have_one_suggestion(name, meant):
     with pytest.raises(AttributeError) as caught:

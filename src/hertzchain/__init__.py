@@ -24,6 +24,7 @@ _OTHER_WORDS = {
     "soliton": "solitary_wave", "sensitivity": "gradient", "monte_carlo": "distribution",
     "ensemble": "simulate_many", "materials": "catalogue", "load": "load_chain",
     "uniform": "Chain.uniform", "tapered": "Chain.tapered", "dimer": "Chain.dimer",
+    "reflection": "simulate(chain).reflection", "transmission": "simulate(chain).reflection",
 }  # fmt: skip
 
 

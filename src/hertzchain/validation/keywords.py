@@ -45,6 +45,8 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("with_scatter", "radius"): "relative=0.01",
         ("disorder", "relative"): "scatter=0.01",
         ("disorder", "radius"): "scatter=0.01",
+        ("disorder", "beads"): 'distribution with Scatter(radius=0.01, beads="2:"): in the '
+        "disorder law, all beads scatter",
     }
 )
 # Features of a chain, which functions of a chain do not have as arguments, and their fields.

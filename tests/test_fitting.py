@@ -985,6 +985,7 @@ def test_priors_and_starts_may_have_units(traces):
         ({"free": ["gap[20-22]"]}, "not a contact of this chain"),
         ({"free": ["radius[31]"]}, "not a ball of this chain"),
         ({"free": ["gain[ball 7]"]}, "unknown parameter 'gain[ball 7]'"),
+        ({"free": ["gain[load cell]"]}, "(did you mean 'gain[wall]'?)"),
         ({"free": ["stiffness", "stiffness"]}, "free twice"),
         ({"free": []}, "no parameter is free"),
         ({"free": ["stiffness@3"]}, "there is only one shot"),

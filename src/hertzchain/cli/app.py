@@ -66,7 +66,8 @@ class _Additions:
 @click.option(
     "--data", type=click.Path(path_type=Path), metavar="FILE",
     help="A CSV file of measured forces to show over the simulated ones, as for hertzchain "
-    "compare; --sensor 'CH1=ball 6' gives the place of a column.",
+    "compare; --sensor 'CH1=ball 6' or 'CH1=load cell' gives the place of a "
+    "column.",
 )  # fmt: skip
 @click.option(
     "--until",

@@ -132,7 +132,7 @@ SINGLE: Final = (
     metavar="BEAD",
     help="Put a force sensor into this bead, and print the first maximum and the largest value.  "
     "Give its number with the strikers, such as 12, or without them, such as 'ball 11', or give "
-    "'last'.  Can be repeated.  With 'wall', --plot plots the force on the wall.",
+    "'last'.  Can be repeated.  With 'wall' or 'load cell', --plot plots the force on it.",
 )
 @click.option(
     "--stream",

@@ -31,6 +31,23 @@ def scan():
     return hc.scan_defects(hc.fit(traces, row([10.0] * 8), free=free), "bead")
 
 
+@pytest.mark.long
+def test_a_much_lighter_ball_is_found():
+    whole = row([10.0] * 8)
+    times = 1e-6 * np.arange(300)
+    light = whole.replace(masses=whole.masses * np.where(np.arange(9) == 5, 0.4, 1.0))
+    run = hc.simulate(light, times=times)
+    noise = 0.1 * np.random.default_rng(1).standard_normal((2, 400))
+    ball, wall = np.pad([run.sensor("ball 3"), run.sensor("wall")], ((0, 0), (100, 0))) + noise
+    traces = hc.Traces.from_arrays(1e-6 * np.arange(400), {"ball 3 [N]": ball, "wall [N]": wall})
+    free = ["stiffness", "loss.time", "time_offset"]
+    scan = hc.scan_defects(hc.fit(traces, whole, free=free, diagnose=False), "bead")
+    assert scan.best == "radius[5]"
+    found = fit_of_defect(scan, 1)
+    assert found.names[-1] == "mass[5]"
+    assert found.values["mass[5]"] == pytest.approx(light.masses[5], rel=0.01)
+
+
 def test_the_figure_shows_the_fitted_ball_and_both_fits(scan):
     fit = fit_of_defect(scan, 1)
     figure = plot_fitted_defects([scan], {"bead": fit})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
@@ -41,9 +42,11 @@ KINDS: Final = {
 # The kind of defect, its places, and the sizes that are tried.
 WORDS: Final = {
     "gap": ("a gap at each of", "contact", "seven sizes each"),
-    "bead": ("another radius of each of", "bead", "twelve sizes each"),
+    "bead": ("another radius of each of", "bead", "twelve sizes each, and half of the mass"),
     "contact": ("another stiffness of each of", "contact", "ten values each"),
 }
+# Mass of a ball, such as one of another material, that is tried once besides its small changes.
+LIGHT: Final = 0.5
 # Least reduction of chi-squared by a defect that is reported.
 FOUND: Final = 20.0
 # Defects are nearly as good as the best one if they explain this fraction of its part.
@@ -307,9 +310,10 @@ def scan_defects(
 
     Each defect is added to the fit, with up to seven sizes of a gap, twelve radii of a bead from
     6.4% smaller to 6.4% larger, or ten stiffnesses of a contact from 32% smaller to 32% larger; no
-    larger change is tried after two that agree worse and worse.  All other parameters adjust
-    linearly.  If a gap explains more than noise would, but not all residuals, rough fits that
-    begin with larger gaps follow for the contacts in front of the first sensor and at the end of
+    larger change is tried after two that agree worse and worse.  A bead with half of its mass is
+    tried, too; its size is that of a solid bead of this mass, 21% smaller.  All other parameters
+    adjust linearly.  If a gap explains more than noise would, but not all residuals, rough fits
+    that begin with larger gaps follow for the contacts in front of the first sensor and at the end of
     the row: a gap in front of all sensors delays the signals as the time offset does, which no
     linear estimate shows.
 
@@ -400,8 +404,8 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
     def unexplained(residuals: Array) -> Array:
         return np.asarray(residuals - result.jacobian @ (inverse @ residuals))
 
-    def residuals_at(size: float) -> Array:
-        predicted = changed.predicted({**values, name: size})
+    def residuals_at(size: float, of: Name = name, problem_of: Problem = changed) -> Array:
+        predicted = problem_of.predicted({**values, of: size})
         found = (predicted - problem.data) / problem.scale
         found[problem.skipped] = 0.0
         return np.concatenate((found, result._residual_vector[len(found) :]))
@@ -428,4 +432,12 @@ def _explained(result: FitResult, name: Name, inverse: Array) -> tuple[float, fl
             before, after = (float(each @ each) for each in (rest, rest_there))
             worse = worse + 1 if after > max(before, WORSE * float(without @ without)) else 0
             last, rest = size, rest_there
+    mass = replace(name, key="mass")
+    if name.key == "radius" and mass not in model.names:
+        _, usual = kind_and_value(mass, model.traces, model.chains)
+        lighter = Problem(with_parameter(model, mass, usual))
+        with contextlib.suppress(SimulationError):
+            there = unexplained(residuals_at(LIGHT * usual, mass, lighter))
+            gained = float(without @ without) - float(there @ there)
+            best = max(best, (gained, LIGHT ** (1.0 / 3.0) * nominal))
     return best

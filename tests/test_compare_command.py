@@ -39,7 +39,8 @@ def test_compare_prints_the_comparison_of_the_library(run, files):
     code, out, err = run("compare", files / "one.csv", files / "row.toml", *PLACES)
     assert code == 0, err
     first, *rest = out.splitlines()
-    assert first.endswith("diameter 10 mm, and 1 striker, right wall of steel-304, loss")
+    about = "15 steel-52100 beads, diameter 10 mm, and 1 striker, right wall of steel-304"
+    assert first == f"{about}, viscoelastic 0.4 us"
     assert rest == expected.summary(width=None).splitlines()
     code, out, _ = run("compare", files / "one.csv", files / "row.toml", *PLACES, "--json",
                        "--plot", files / "compared.svg")  # fmt: skip
@@ -256,7 +257,7 @@ def test_exchanged_columns_are_reported_once_and_only_they(run, files):
     first, second, third, *_ = out.splitlines()
     assert first.startswith("with the columns of ")
     assert first.endswith("; the values below are measured")
-    assert second.endswith("diameter 10 mm, and 1 striker, right wall of steel-304, loss")
+    assert second.endswith("1 striker, right wall of steel-304, viscoelastic 0.4 us")
     assert third.startswith("data from 0 s to ")
     # Neither the time offset nor simulated values have a meaning.
     assert "time offset" not in out

@@ -242,9 +242,9 @@ def test_gaps_are_compared_with_the_losses_of_the_chain():
     [({"loss": hc.Restitution(0.95)}, "restitution 0.95"),
      ({"loss": hc.Viscoelastic("0.5 us"),
        "right_wall": hc.Wall("40 kN/mm", exponent=1, loss=hc.Elastic())},
-      "viscoelastic, 0.5 µs; load cell elastic"),
+      "viscoelastic 0.5 µs; load cell elastic"),
      ({"right_wall": hc.Wall(loss=hc.VelocityPower(0.1, 0.2))},
-      "elastic; wall velocity-power, gamma 0.1, alpha 0.2"),
+      "elastic; wall velocity-power (gamma 0.1, alpha 0.2)"),
      ({"loss": [hc.Elastic()] * 3 + [hc.ElasticPlastic()] + [hc.Elastic()] * 7},
       "elastic in contacts 1 to 3 and 5 to 11; elastic-plastic in contact 4")],
 )  # fmt: skip

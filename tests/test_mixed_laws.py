@@ -685,3 +685,22 @@ def test_energy_of_dented_contacts_is_that_of_their_unloading_curve():
     elastic = 1e-6 * random.uniform(0.0, 1.0, size)
     stored = law.stored_energy(elastic, k * elastic**1.5, contacts)
     np.testing.assert_allclose(stored, 0.4 * k * elastic**2.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"loss": hc.Restitution(0.93)}, "restitution 0.93"),
+        ({"loss": hc.Viscoelastic("0.5 us"), "right_wall": Wall()}, "viscoelastic 0.5 us"),
+        ({"loss": hc.WaltonBraun(0.81)}, "walton-braun 0.81"),
+        ({"loss": hc.ElasticPlastic()}, "elastic-plastic"),
+        ({"loss": hc.VelocityPower(2.0, alpha=1.2)}, "velocity-power (gamma 2, alpha 1.2)"),
+        ({"loss": hc.Restitution(0.93), "right_wall": Wall(loss=hc.Elastic())},
+         "restitution 0.93 between beads"),
+        ({"right_wall": Wall(loss=hc.Restitution(0.93))}, "mixed losses"),
+        ({"loss": [hc.Restitution(0.9), hc.Restitution(0.8)]}, "mixed losses"),
+    ],
+)  # fmt: skip
+def test_descriptions_state_the_law_with_its_value(changes, words):
+    chain = Chain.from_materials("5 mm", "steel-316", beads=3).replace(**changes)
+    assert chain.description.endswith(f", {words}")

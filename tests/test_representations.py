@@ -167,7 +167,7 @@ def test_everything_else(tmp_path):
         (hc.solitary_wave(), ["p = 1.5", "C = 0.9074"]),
         (hc.solitary_wave().velocity, []),
         (RatioCorrection(0.6), ["ratio=0.6"]),
-        (features, ["5 beads", "precompression", "gravity", "left wall", "loss"]),
+        (features, ["5 beads", "precompression", "gravity", "left wall", "dashpot 0.1"]),
         (TableDrive(np.linspace(0, 1, 999), np.linspace(0, 1, 999)), ["999 times"]),
         (hc.material("brass"), ["8530 kg/m^3", "101 GPa"]),
         (hc.Material("x" * 400, 1e3, 1e9, 0.3), []),

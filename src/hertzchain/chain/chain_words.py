@@ -16,6 +16,8 @@ from .description import (
     taper_behind,
 )
 from .fields import ChainFields
+from .laws.elastic import Elastic
+from .laws.given_numbers import law_with_value
 from .materials import RIGID
 from .scattered_radii import ScatteredRadii
 
@@ -55,7 +57,7 @@ def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
         implied.append("mixed exponents")
     named = shown_features(chain.features, implied, chain.velocities, chain.strikers)
     walls = {f"{side} wall": described_wall(chain, side) for side in ("left", "right")}
-    named = [walls.get(name, name) for name in named]
+    named = [described_loss(chain) if "loss" in name else walls.get(name, name) for name in named]
     still = chain._at_rest_by_default and chain.drive is None and not chain.velocities.any()
     features = [law_in_words(chain.exponents), *named, "at rest" if still else ""]
     return (
@@ -103,6 +105,16 @@ def described_wall(chain: ChainFields, side: str) -> str:
         return f"rigid {name}{law}"
     own = None if chain.materials is None else chain.materials[end]
     return f"{name}{'' if wall.material in (None, own) else f' of {wall.material.name}'}{law}"
+
+
+def described_loss(chain: ChainFields) -> str:
+    """Such as ``restitution 0.95``; ``restitution 0.95 between beads`` if walls have other laws."""
+    row = chain.contact_losses[1] if chain.beads > 1 else chain.contact_losses[-1]
+    words = law_with_value(row, chain.units)
+    if "loss" in chain.features:
+        return words
+    one = len({*chain.contact_losses[1:-1]}) == 1 and not isinstance(row, Elastic)
+    return f"{words} between beads" if one else "mixed losses"
 
 
 def _mixed_between(chain: ChainFields) -> bool:

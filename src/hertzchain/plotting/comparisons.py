@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.axes import Axes
 
+from ..chain.chain_words import described_loss
 from ..chain.laws.elastic import Elastic
 from ..pulse.free_end import ends_free
 from ..pulse.quantities import COLUMN_QUANTITIES
@@ -74,7 +75,7 @@ def _title(ours: Pulse, theirs: Pulse) -> str:
         about, loss = ours.chain.description, loss_in_words(ours.chain)
         # Losses of walls alone have no other words.
         if loss != words_of_loss(Elastic(), ours.chain.units):
-            about = about.replace("mixed losses", loss)
+            about = about.replace(described_loss(ours.chain), loss)
         return f"{ours.method} against {theirs.method}, {about}"
     words = [[each.method, *own] for each, own in zip((ours, theirs), chains, strict=True)]
     names, common = distinguish(words)

@@ -10,11 +10,11 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.chain_words import cap_in_words, described_wall, description_parts
+from ..chain.chain_words import cap_in_words, described_loss, described_wall, description_parts
 from ..chain.description import law_in_words, length_in_words, strikers_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
-from ..chain.laws.given_numbers import given_numbers
+from ..chain.laws.given_numbers import law_with_value
 from ..chain.walls import Wall
 from ..representation import MAX_DIGITS, measure
 from .style import with_micro
@@ -146,21 +146,9 @@ def _values(chain: Chain, field: str) -> list[Any]:
 
 
 def words_of_loss(law: Loss, units: str, digits: int = DIGITS[0]) -> str:
-    """Such as ``restitution 0.95``, ``viscoelastic 0.5 µs``, ``elastic-plastic`` or ``no loss``."""
-    if isinstance(law, Elastic):
-        return "no loss"
-    single = sum(not each.boolean for each in law.parameters().values()) == 1
-    told = [
-        f"{'' if single else f'{called} '}{_number(value, unit, units, digits)}"
-        for called, (value, unit) in given_numbers(law).items()
-    ]
-    usual = type(law).__dataclass_fields__.get("attractive")
-    if usual is not None and (pulls := vars(law)["attractive"]) != usual.default:
-        told.append("attractive" if pulls else "without attraction")
-    name = law.words or law.name
-    if single and len(told) == 1:
-        return f"{name} {told[0]}"
-    return f"{name} ({', '.join(told)})" if told else name
+    """The law in words, with the spelling of figures, such as ``viscoelastic 0.5 µs``."""
+    words = law_with_value(law, units, digits)
+    return with_micro(words.replace(law.name, law.words or law.name, 1))
 
 
 def loss_in_words(chain: Chain, digits: int = DIGITS[0]) -> str:
@@ -183,7 +171,7 @@ def loss_in_words(chain: Chain, digits: int = DIGITS[0]) -> str:
 def _loss_of_walls(chain: Chain) -> tuple[str, ...]:
     """Words for losses in titles and descriptions, if walls alone have them."""
     inner = loss_in_words(chain) == "no loss"
-    return (loss_in_title(chain), "mixed losses") if inner else ()
+    return (loss_in_title(chain), described_loss(chain)) if inner else ()
 
 
 def _walled(chain: Chain, wall: Wall | None, side: str, digits: int) -> str:
@@ -296,5 +284,5 @@ PROPERTIES: Final = (
         ),
     ),
     _Property(_drive, lambda _: ("drive",)),
-    _Property(loss_in_words, lambda chain: ("loss", "mixed losses", loss_in_title(chain))),
+    _Property(loss_in_words, lambda chain: (described_loss(chain), loss_in_title(chain))),
 )

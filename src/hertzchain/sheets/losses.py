@@ -8,12 +8,12 @@ from ..chain.bead_names import is_load_cell
 from ..chain.chain import Chain
 from ..chain.laws.base import Loss
 from ..chain.laws.elastic import Elastic
-from ..chain.laws.given_numbers import given_numbers
-from ..representation import listed, measure
+from ..chain.laws.given_numbers import law_with_value
+from ..representation import listed
 
 
 def losses_in_words(chain: Chain) -> str:
-    """Such as ``viscoelastic, 0.5 µs; load cell elastic``; empty without a loss."""
+    """Such as ``viscoelastic 0.5 µs; load cell elastic``; empty without a loss."""
     if chain.lossless:
         return ""
     laws = [_law(each) for each in chain.contact_losses]
@@ -46,14 +46,7 @@ def _by_contacts(laws: list[str]) -> list[str]:
 
 
 def _law(law: Loss) -> str:
-    """Such as ``restitution 0.95``, ``viscoelastic, 0.5 µs`` or ``elastic``."""
+    """Such as ``restitution 0.95``, ``viscoelastic 0.5 µs`` or ``elastic``."""
     if isinstance(law, Elastic):
         return law.name
-    told = {called: measure(value, unit).replace(" us", " µs").strip()
-            for called, (value, unit) in given_numbers(law).items()}  # fmt: skip
-    name = law.words or law.name
-    if "restitution" in name and len(told) == 1:
-        return f"{name} {next(iter(told.values()))}"
-    single = len(told) == 1
-    return ", ".join([name, *(text if single else f"{called} {text}"
-                              for called, text in told.items())])  # fmt: skip
+    return law_with_value(law, "SI").replace(" us", " µs")

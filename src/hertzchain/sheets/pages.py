@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, select_autoescape
 from markupsafe import Markup, escape
 
 from ..chain.chain import Chain
+from ..chain.chain_words import described_loss
 from ..representation import listed
 from . import answers
 from .answers import Table
@@ -87,7 +88,7 @@ def _description(chain: Chain) -> str:
     losses = losses_in_words(chain)
     if not losses:
         return chain.description
-    described = f"{re.sub(', (mixed losses|loss)(?=,|$)', '', chain.description)}. Loss: {losses}"
+    described = f"{chain.description.replace(f', {described_loss(chain)}', '')}. Loss: {losses}"
     return f"{described}. {INHERITED}" if inherits_loss(chain) else described
 
 

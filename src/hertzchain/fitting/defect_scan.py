@@ -313,8 +313,8 @@ def scan_defects(
     larger change is tried after two that agree worse and worse.  A bead with half of its mass is
     tried, too; its size is that of a solid bead of this mass, 21% smaller.  All other parameters
     adjust linearly.  If a gap explains more than noise would, but not all residuals, rough fits
-    that begin with larger gaps follow for the contacts in front of the first sensor and at the end of
-    the row: a gap in front of all sensors delays the signals as the time offset does, which no
+    that begin with larger gaps follow for the contacts in front of the first sensor and at the end
+    of the row: a gap in front of all sensors delays the signals as the time offset does, which no
     linear estimate shows.
 
     Parameters

@@ -1682,13 +1682,18 @@ def test_a_diameter_replaces_a_radius_and_vice_versa(page):
     # That of the chain.
     (defect,) = page.document()["chain"]["with_defects"]
     assert (defect["diameter"], "radius" in defect) == ("20 mm", False)
-    for name, other in (("diameter", "radius"), ("radius", "diameter")):
+    for name, other, size in (("radius", "diameter", "10 mm"), ("diameter", "radius", "24 mm")):
+        choice = tab.locator("[id='c-chain.with_defects.0.radius-by']")
+        choice.select_option(name)
+        page.settle()
+        (defect,) = page.document()["chain"]["with_defects"]
+        assert (defect[name], other in defect) == (size, False)
+        assert tab.locator(f"[id='c-chain.with_defects.0.{other}']").count() == 0
         tab.fill(f"[id='c-chain.with_defects.0.{name}']", "12")
         tab.keyboard.press("Tab")
         page.settle()
         (defect,) = page.document()["chain"]["with_defects"]
         assert (defect[name], other in defect) == ("12 mm", False)
-        assert tab.input_value(f"[id='c-chain.with_defects.0.{other}']") == ""
         assert page.status().startswith("The run ends")
 
 
@@ -1992,7 +1997,7 @@ def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path)
     assert row.locator(".unit").text_content() == "kN/mm"
 
 
-def test_the_last_typed_of_velocity_height_and_energy_is_used(page, tmp_path):
+def test_the_impact_of_a_striker_has_one_of_velocity_height_and_energy(page, tmp_path):
     path = tmp_path / "striker.toml"
     path.write_text(
         '[chain]\ndiameters = "10 mm"\nbeads = 8\nmaterials = "steel-52100"\n'
@@ -2002,13 +2007,37 @@ def test_the_last_typed_of_velocity_height_and_energy_is_used(page, tmp_path):
     field = page.tab.locator("[id='c-chain.struck_by.velocity']")
     assert field.input_value() == "0.767072"
     assert page.document()["chain"]["struck_by"]["velocity"] == 0.767071704601
+    choice = page.tab.locator("[id='c-chain.struck_by.velocity-by']")
     for name, typed, value in (
-        ("height", "20", "20 mm"), ("energy", "0.002", "0.002 J"), ("velocity", "0.5", "0.5 m/s")
+        ("height", "20", "20 mm"), ("energy", "2", "2 mJ"), ("velocity", "0.5", "0.5 m/s")
     ):  # fmt: skip
-        page.tab.locator(f"[id='c-chain.struck_by.{name}']").press_sequentially(typed)
+        choice.focus()
+        choice.select_option(name)
+        page.settle()
+        assert list(page.document()["chain"]["struck_by"]) == [name]
+        assert choice.input_value() == name
+        shown = [
+            page.tab.locator(f"[id='c-chain.struck_by.{each}']").count()
+            for each in ("velocity", "height", "energy")
+        ]
+        assert sum(shown) == 1
+        # The field follows the choice in the order of the keys.
+        choice.focus()
+        page.tab.keyboard.press("Tab")
+        while page.tab.evaluate("document.activeElement.tagName") == "BUTTON":
+            page.tab.keyboard.press("Tab")
+        field = page.tab.locator(f"[id='c-chain.struck_by.{name}']")
+        assert page.tab.evaluate("document.activeElement.id") == f"c-chain.struck_by.{name}"
+        field.select_text()
+        field.press_sequentially(typed)
         page.settle()
         assert page.tab.is_hidden("#problem")
         assert page.document()["chain"]["struck_by"] == {name: value}
+    # A size that is not given is that of the balls; the choice alone changes nothing.
+    page.tab.locator("[id='c-chain.struck_by.radius-by']").select_option("diameter")
+    assert page.tab.locator("[id='c-chain.struck_by.radius']").count() == 0
+    assert page.tab.input_value("[id='c-chain.struck_by.diameter']") == ""
+    assert page.document()["chain"]["struck_by"] == {"velocity": "0.5 m/s"}
 
 
 def test_the_page_begins_with_the_chains_and_sensors_of_the_command(browser):
@@ -2129,6 +2158,8 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         page.settle()
         assert tab.locator("#chart-force .measured").count() == 0
         assert tab.is_hidden("#record")
+        # Sensors of the data are removed with them.
+        assert tab.evaluate("hertzchain.state.view.sensors") == []
         tab.goto(f"file://{saved}")
         tab.wait_for_selector("#chart-force .measured")
         assert (tab.input_value("#shift"), tab.is_hidden("#open-record")) == ("20", True)

@@ -50,12 +50,18 @@ def test_a_record_is_aligned_and_scaled_as_by_compare(scope):
     measured = header["record"]
     assert measured["aligned"]
     assert measured["offset"] == pytest.approx(OFFSET, abs=1e-7)
-    ball, wall = (each["label"] for each in measured["curves"])
-    # The legend has the measured peak, with the noise, and the difference of the simulated one.
-    peak, difference = re.fullmatch(r"ball 6: (\S+) N, simulated ([+-]\S+)%", ball).groups()
+    ball, wall = measured["curves"]
+    # The legend has the numbers of `Run.compare`: the peak with the noise, and three differences.
+    peak, difference, arrival, residual = re.fullmatch(
+        r": (\S+) N, simulated ([+-]\S+)%; arrival ([+-]\S+) µs; residual (\S+)%", ball["note"]
+    ).groups()
     assert float(peak) == pytest.approx(arrays["force.6"].max(), rel=0.005)
     assert abs(float(difference)) < 0.5
-    assert wall == "wall in V (0.02 V/N)"
+    assert abs(float(arrival)) < 0.1
+    # The noise is 0.05 N.
+    assert float(residual) == pytest.approx(5.0 / float(peak), abs=0.05)
+    assert (ball["label"], wall["label"]) == ("ball 6", "wall in V (0.02 V/N)")
+    assert re.match(r": \S+ m?V, simulated [+-]\S+%; arrival .* µs; residual ", wall["note"])
     assert [each["place"] for each in measured["curves"]] == ["6", "right"]
     # The measured curves are the simulated ones and noise, at the same times.
     for key, curve, noise in (("0", "6", 0.3), ("1", "right", 0.7)):

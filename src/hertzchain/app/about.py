@@ -79,7 +79,8 @@ BEGIN: Final = {
     "other": {"bead": 10, "radius": 2, "seed": 1, "relative": 0.05, "ratio": 0.4,
               "coefficient": 0.9, "amplitude": 0.3, "frequency": 0.1,
               "times": [0, 5, 10], "values": [0, 0.1, 0]},
-    "SI": {"radius": "20 mm", "mass": "5 g", "amplitude": "10 N", "frequency": "5 kHz",
+    "SI": {"radius": "20 mm", "diameter": "20 mm", "mass": "5 g", "velocity": "0.1 m/s",
+           "height": "0.5 mm", "energy": "0.2 mJ", "amplitude": "10 N", "frequency": "5 kHz",
            "time": "10 µs", "times": ["0 µs", "50 µs", "100 µs"], "values": ["0 N", "10 N", "0 N"]},
 }  # fmt: skip
 # Number of beads in a picture of the gallery.

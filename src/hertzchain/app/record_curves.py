@@ -13,7 +13,6 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..fitting.compare_traces import compare_traces
 from ..fitting.compared_run import run_to_compare
-from ..fitting.shown_values import shown_difference
 from ..fitting.trace_comparison import TraceComparison
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
@@ -63,7 +62,10 @@ def record_curves(
         arrays[f"record.times.{i}"], arrays[f"record.{i}"] = _thinned(times[near], values[near])
         static = static_force(signal.place, chain) if found is not None else 0.0
         place = _curve_at(signal.place, chain)
-        curves.append({"key": str(i), "label": label, "static": static, "place": place})
+        note = "" if found is None else _agreement(found, i)
+        curves.append(
+            {"key": str(i), "label": label, "note": note, "static": static, "place": place}
+        )
     header = {
         "name": record.name, "offset": offset, "curves": curves, "notes": notes,
         "aligned": found is not None,
@@ -96,8 +98,6 @@ def _in_newton(
         first = model[resolved.valid & np.isfinite(model)][0]
         values = first + (values - level_of(resolved)) / scale
         label += f" in V ({scale:.4g} V/N)"
-    else:
-        label += _peak(found, signal.name)
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
@@ -116,13 +116,18 @@ def _unscaled(signals: Sequence[Signal]) -> list[str]:
     ]
 
 
-def _peak(found: TraceComparison, name: str) -> str:
-    """The measured peak for the legend, and the difference of the simulated one."""
-    each = next((each for each in found.sensors if each.name == name), None)
-    if each is None or not np.isfinite(each.peak_ratio):
-        return ""
-    difference = shown_difference(each.peak_ratio)
-    return f": {each.shown_peaks[0]}" + f", simulated {difference}" * difference.endswith("%")
+def _agreement(found: TraceComparison, number: int) -> str:
+    """Peak, arrival and residual of a signal for the legend, as `TraceComparison.summary` has them.
+
+    If columns are probably exchanged, it has the measured peak alone.
+    """
+    each = found.sensors[number]
+    peak, _, difference, _, _, delay, residual = each.cells
+    if found.exchanged:
+        return f": {peak}"
+    simulated = "" if each.lower_bound else "simulated "
+    arrival = f"; arrival {delay}".replace(" us", " µs") * bool(np.isfinite(each.delay))
+    return f": {peak}, {simulated}{difference}{arrival}; residual {residual}"
 
 
 def _curve_at(place: Place, chain: Chain) -> str:

@@ -1,10 +1,13 @@
 /** Controls of a chain file, generated from its schema. */
 
 import { $, Fields, button, choicesOf, hint, make, words } from "./fields.js";
-import { metres, valued } from "./numbers.js";
+import { metres, parsed, valued } from "./numbers.js";
 import { at, changed, listed } from "./state.js";
 
 /** @typedef {import("./fields.js").Path} Path */
+
+// Of these keys of a table, one has a field.
+const ALTERNATIVES = [["ratio", "radius", "diameter"], ["velocity", "height", "energy"]];
 
 const SIZES = ["first", "first_diameter", "radii", "diameters", "cell", "cell_diameters", "last", "last_diameter", "length"];
 
@@ -27,6 +30,9 @@ export class Controls extends Fields {
   /** @type {Set<string>} */
   opened = new Set();
   shape = "";
+  /** Chosen keys of alternatives without a value, such as the diameter of a striker, by their place.
+   * @type {Record<string, string>} */
+  ways = {};
 
   get schema() {
     return this.about.schema.sections;
@@ -154,8 +160,31 @@ export class Controls extends Fields {
     }
     const keys = variant ? section.variants[entry[variant]] ?? [] : section.keys;
     const common = variant ? section.keys.filter((/** @type {any} */ key) => !ONLY_IF_GIVEN.includes(key.name) || key.name in entry) : [];
-    for (const key of [...common, ...keys]) if (key.kind !== "file" && key.kind !== "signal") fields.push(this.field(path, key));
+    const given = (/** @type {string} */ name) => at(this.document, [...path, name]) !== undefined;
+    const all = [...common, ...keys].filter(({ kind, name }) => kind !== "file" && kind !== "signal" && (this.si || given(name) || !/^(height|energy)$/.test(name)));
+    for (const key of all) {
+      const ways = ALTERNATIVES.find((names) => names.includes(key.name))?.filter((name) => all.some((each) => each.name === name)) ?? [];
+      const id = [...path, ways[0]].join("."), way = ways.find(given) ?? this.ways[id] ?? ways[0];
+      if (ways.length > 1 && key.name === way) {
+        fields.push(this.select(`${id}-by`, ways[0] === "velocity" ? "impact by" : "size by", choicesOf(ways), () => way, (name) => this.changeWay(path, way, name, id)));
+      }
+      if (ways.length < 2 || key.name === way || given(key.name)) fields.push(this.field(path, key));
+    }
     return fields;
+  }
+
+  /** Another alternative, with twice the radius for the diameter. @param {Path} path @param {string} before @param {string} name @param {string} id */
+  changeWay(path, before, name, id) {
+    const { number, unit } = parsed(at(this.document, [...path, before]), ""), { SI, other } = this.about.begin;
+    const factor = before === "radius" && name === "diameter" ? 2 : before === "diameter" && name === "radius" && 0.5;
+    if (factor && number === null) {
+      this.ways[id] = name;
+      this.build(this.shape);
+      for (const update of this.updates) update();
+    } else {
+      this.document = changed(this.document, [...path, before], undefined);
+      this.put([...path, name], factor && number ? valued(number * factor, unit) : (this.si && SI[name]) || (other[name] ?? other.radius));
+    }
   }
 
   /** A table with values for its required keys. @param {any} section @param {any} table */

@@ -33,8 +33,6 @@ export const button = (text, onclick, more) => make("button", { type: "button", 
 /** @param {string} text */
 export const hint = (text) => make("p", { className: "hint" }, text);
 
-const ALTERNATIVES = [["ratio", "radius", "diameter"], ["velocity", "height", "energy"]];
-
 export class Fields {
   /** @type {Document} */
   document = { chain: {} };
@@ -65,11 +63,7 @@ export class Fields {
   /** @param {Path} path @param {any} value @param {boolean} [moving] */
   put(path, value, moving = false) {
     this.last = path.join(".");
-    const table = path.slice(0, -1), name = path[path.length - 1];
-    let document = changed(this.document, path, value);
-    // The value that is typed last replaces its alternatives.
-    if (value !== undefined) for (const each of ALTERNATIVES.find((names) => names.includes(String(name))) ?? []) if (each !== name) document = changed(document, [...table, each], undefined);
-    this.change(document, moving);
+    this.change(changed(this.document, path, value), moving);
   }
 
   /** @param {string} id @param {string} label @param {[string, string][]} choices @param {() => string} read

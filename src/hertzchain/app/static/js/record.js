@@ -59,7 +59,8 @@ export function handleRecords(on) {
   };
   $("record-close").onclick = () => {
     Object.assign(record, { record: "", name: "" });
-    on.changed(state.view.sensors);
+    on.changed(state.view.sensors.filter((each) => !added.includes(each)));
+    added = [];
   };
 }
 

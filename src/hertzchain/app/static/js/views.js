@@ -232,7 +232,7 @@ export class Views {
         return `${text} at ${full(time * axis.factor)} ${axis.unit}`.trim();
       });
       for (const [what, value, unit] of each.impact ?? []) {
-        const [factor, shown] = own.si ? prefixed(other && unit === "s" ? own.motion.times.at(-1) : value, unit) : [1, ""];
+        const [factor, shown] = own.si ? prefixed(other && unit === "s" ? own.run.arrays.get("times").at(-1) : value, unit) : [1, ""];
         notes.push(value === null ? `${what} …` : `${what} ${full(value * factor)} ${shown}`.trim());
       }
       if (each.remark) notes.push(each.remark);
@@ -242,7 +242,7 @@ export class Views {
     const data = measured(own, axis.factor).map((each) => ({ ...each, y: scaled(Array.from(each.y), each.rest) }));
     const message = series.length ? "" : "Click a bead for a sensor, or add a wall.";
     this.force.draw([...series, ...data], { xLabel: axis.label, range: axis.range, yLabel: scale === "each" ? "force, relative to the largest of each curve" : inUnit(scale === "change" ? "change from the force at t = 0" : "force", unit), log: scale === "log", message }, `Forces: ${summary([...series, ...data])}`);
-    replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...data.map(({ name, label }) => key(name, label))]);
+    replace($("legend-force"), [...series.map(({ name, note }) => key(name, note)), ...data.map(({ name, note }) => key(name, note))]);
   }
 
   /** Main numbers of both chains, and their ratios. @param {State} state @param {Results} own @param {Results | null} other */
@@ -263,7 +263,7 @@ export class Views {
     });
     const rows = [...found].map(([label, [unit, a, b]]) => {
       const same = [...found.values()].flatMap(([each, ...values]) => (each === unit ? values.filter(Number.isFinite) : []));
-      const [factor, shown] = own.si ? prefixed(unit === "s" ? own.motion.times.at(-1) : largest(same), unit) : [1, ""];
+      const [factor, shown] = own.si ? prefixed(unit === "s" ? own.run.arrays.get("times").at(-1) : largest(same), unit) : [1, ""];
       return [inUnit(label, shown), full(a * factor), full(b * factor), full(b / a)];
     });
     replace($("legend-error"), [table(["chain", "A", "B", "B / A"], rows)]);
@@ -390,12 +390,12 @@ function forcesOf({ run: { header, arrays } }) {
   return Object.entries(header.peaks).map(([name, each]) => ({ ...each, times: arrays.get("forces.times"), values: arrays.get(`force.${name}`) }));
 }
 
-/** Curves of measured data during the run. @param {Results} own @param {number} factor of times @returns {(Series & {rest: number})[]} */
+/** Curves of measured data during the run. @param {Results} own @param {number} factor of times @returns {(Series & {rest: number, note: string})[]} */
 function measured({ measured: found, motion, run }, factor) {
   const more = found && record.shift !== null ? found.offset - record.shift : 0, end = motion?.times.at(-1) ?? 0;
-  return (found?.curves ?? []).map((/** @type {any} */ { key, label, place, static: rest }) => {
+  return (found?.curves ?? []).map((/** @type {any} */ { key, label, note, place, static: rest }) => {
     const x = found.arrays.get(`record.times.${key}`), y = found.arrays.get(`record.${key}`), inside = [...x.keys()].filter((i) => x[i] + more >= 0 && x[i] + more <= end);
-    return { name: `measured ${run.header.peaks[place]?.name ?? ""}`, label: `measured ${label}`, marked: true, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
+    return { name: `measured ${run.header.peaks[place]?.name ?? ""}`, label: `measured ${label}`, note: `measured ${label}${record.shift === null ? note : ""}`, marked: true, x: inside.map((i) => (x[i] + more) * factor), y: inside.map((i) => y[i]), rest };
   });
 }
 

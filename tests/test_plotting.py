@@ -480,6 +480,17 @@ def test_a_method_has_one_colour_and_name_in_all_figures():
         found = {name: drawn[name] for name in looks.keys() & drawn.keys()}
         assert len(found) >= len(names) - 1
         assert found == {name: looks[name] for name in found}
+    # Curves that are added have colours that no method in the axes has, as long as there are any.
+    axes = hc.plot_pulses([pulses[-1], hc.propagate(chain)])
+    for _ in range(8):
+        pulses[-1].plot(ax=axes)
+        drawn = [line.get_color() for line in axes.lines if len(line.get_xdata()) > 1]
+        assert len({*drawn}) == min(len(drawn), len(COLOURS))
+    run = hc.simulate(chain, times=50)
+    axes = run.plot_forces(3)
+    axes.plot([0.0, 1.0], [0.0, 0.1], color=COLOURS[1])
+    run.plot_forces([5, 7], ax=axes)
+    assert len({line.get_color() for line in axes.lines}) == 4
     # A theory of the user has a colour that is not that of another curve.
     own = hc.Pulse(chain=chain, method="mine", velocity=pulses[0].velocity)
     curves = hc.plot_pulses([*pulses, own]).lines

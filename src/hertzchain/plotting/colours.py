@@ -61,6 +61,22 @@ def curve_colour(axes: Axes, i: int) -> str:
     return "#FFFFFF" if colour == COLOURS[0] and is_dark(axes) else colour
 
 
+def number_of_curves(axes: Axes) -> int:
+    """Number of labelled curves that the axes already have; symbols without a line are none."""
+    return sum(
+        line.get_linestyle() != "None" and not str(line.get_label()).startswith("_")
+        for line in axes.lines
+    )
+
+
+def free_numbers(axes: Axes, begin: int, count: int) -> list[int]:
+    """Numbers of further curves from a first one: first those whose colour no curve has."""
+    taken = {to_rgba(line.get_color()) for line in axes.lines if line.get_linestyle() != "None"}
+    numbers = range(begin, begin + len(COLOURS) + count)
+    free = [i for i in numbers[: len(COLOURS)] if to_rgba(curve_colour(axes, i)) not in taken]
+    return [*free, *(i for i in numbers if i not in free)][:count]
+
+
 def signed_map(values: Array) -> tuple[str, float, float]:
     """Colour map and limits for values around 0: diverging only if both signs occur."""
     finite = values[np.isfinite(values)]

@@ -45,32 +45,35 @@ class Look:
         return END_SYMBOL if self.alternating else self.marker
 
 
-def looks_of(words: Sequence[Sequence[str]], begin: int, *, alternating: bool) -> list[Look]:
+def looks_of(
+    words: Sequence[Sequence[str]], numbers: Sequence[int], *, own: bool, alternating: bool
+) -> list[Look]:
     """Colours by chain and lines by method if there are several of both, otherwise by pulse.
 
-    Several methods for one chain have their own looks, unless the axes have other curves.
+    ``numbers`` are those of free colours. Several methods for one chain have their ``own`` looks,
+    unless the axes have other curves.
     """
     chains = list(dict.fromkeys(tuple(chain) for _, *chain in words))
     methods = list(dict.fromkeys(method for method, *_ in words))
     different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods)
-    own = looks_of_methods(methods)
+    given = looks_of_methods(methods)
     if not different or min(len(chains), len(methods)) < 2:
-        count, all_differ = begin + len(words), len(methods) == len(words)
-        if own and all_differ and len(words) > 1 and begin == 0:
+        count, all_differ = max(numbers) + 1, len(methods) == len(words)
+        if given and all_differ and len(words) > 1 and own:
             return [
-                Look(each.colour, each.symbol, each.line, i, count, alternating)
-                for i, each in enumerate(own)
+                Look(each.colour, each.symbol, each.line, i, len(words), alternating)
+                for i, each in enumerate(given)
             ]
         return [
-            Look(begin + i, begin + i, i if all_differ else 0, begin + i, count, alternating)
-            for i in range(len(words))
+            Look(number, number, i if all_differ else 0, number, count, alternating)
+            for i, number in enumerate(numbers)
         ]
     return [
         # At a common bead, symbols of one colour would look like a filled one.
         Look(
-            begin + chains.index((*chain,)),
-            own[i].symbol if own else i,
-            own[i].line if own else i,
+            numbers[chains.index((*chain,))],
+            given[i].symbol if given else i,
+            given[i].line if given else i,
             i,
             len(methods),
             alternating,

@@ -13,9 +13,8 @@ from ..errors import InputError
 from ..theory.spectrum import Spectrum
 from ..validation.numbers import whole_number
 from ..validation.objects import check_list
-from .colours import curve_colour, grey
+from .colours import curve_colour, free_numbers, grey, number_of_curves
 from .legends import place_legend
-from .pulses import number_of_curves
 from .shared_axes import label_below
 from .shared_spectra import label_spectra, note_spectrum
 from .style import MARKERS, BeadLocator, figure_style, get_axes
@@ -37,7 +36,7 @@ def plot_modes(
         present = number_of_curves(axes)
         if not present:
             axes.axhline(0.0, color=grey(axes, 0.6), linewidth=0.7)
-        for i, mode in enumerate(chosen, present):
+        for i, mode in zip(free_numbers(axes, present, len(chosen)), chosen, strict=True):
             (line,) = axes.plot(
                 beads, _shape(spectrum, mode), color=curve_colour(axes, i), linewidth=0.9,
                 marker=MARKERS[i % len(MARKERS)], markersize=3.5,

@@ -11,10 +11,9 @@ from ..errors import InputError
 from ..pulse.free_end import split_free_ends
 from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.objects import check_choice
-from .colours import curve_colour
+from .colours import curve_colour, free_numbers, number_of_curves
 from .free_ends import FREE_END, label_free_end
 from .legends import place_legend
-from .pulses import number_of_curves
 from .shared_axes import label_below
 from .style import MARKERS, BeadLocator, figure_style, get_axes, set_title
 
@@ -44,7 +43,7 @@ def plot_pulse_table(table: PulseTable, quantity: str, *, ax: Axes | None = None
     place = np.arange(1, values.shape[1] + 1)[known]
     with figure_style():
         axes = get_axes(ax)
-        colour = curve_colour(axes, number_of_curves(axes))
+        colour = curve_colour(axes, *free_numbers(axes, number_of_curves(axes), 1))
         axes.fill_between(place, low, high, color=colour, alpha=BAND, linewidth=0.0,
                           label=f"{LOW}% to {HIGH}% of the chains")  # fmt: skip
         axes.plot(place, middle, color=colour, label="median")

@@ -20,7 +20,7 @@ from ..pulse.quantities import COLUMN_QUANTITIES
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool, check_choice, check_list
 from .alternating_beads import HEAVY_BEADS, LIGHT_BEADS, light_beads
-from .colours import curve_colour, grey
+from .colours import curve_colour, free_numbers, grey, number_of_curves
 from .differences import words_of_chains
 from .free_ends import (
     FREE_END,
@@ -124,9 +124,9 @@ def plot_pulses(
         a common legend of several axes, use ``figure.legend(*axes.get_legend_handles_labels())``.
     ax : matplotlib.axes.Axes, optional
         Axes to draw into; with residuals a pair of axes, of which the second is for the residuals.
-        By default, a new figure is created.  The colours continue those of pulses that the axes
-        already have.  If these have another quantity, the legend and the label of the y axis name
-        both quantities.
+        By default, a new figure is created.  The colours are those that no curve in the axes
+        has, as long as there are any.  If these have another quantity, the legend and the label
+        of the y axis name both quantities.
 
     Returns
     -------
@@ -166,7 +166,8 @@ def plot_pulses(
         present = number_of_curves(axes)
         remove_values_beyond(axes)
         two_kinds = any(light_beads(each, quantity) is not None for each in pulses)
-        looks = looks_of(words, present, alternating=two_kinds)
+        numbers = free_numbers(axes, present, len(pulses))
+        looks = looks_of(words, numbers, own=not present, alternating=two_kinds)
         grouped = labels is None and share_colours(looks)
         reference = _reference(pulses, looks, str(names[0]))
         names = _marked(names, reference if residuals and labels is None else "")
@@ -285,14 +286,6 @@ def _set_scale(axes: Axes, *, log: bool) -> None:
 
 def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, Axes | None]:
     return get_two_axes(ax) if residuals else (get_axes(ax), None)  # type: ignore[arg-type]
-
-
-def number_of_curves(axes: Axes) -> int:
-    """Number of labelled curves that the axes already have; symbols without a line are none."""
-    return sum(
-        line.get_linestyle() != "None" and not str(line.get_label()).startswith("_")
-        for line in axes.lines
-    )
 
 
 def _draw_free_end(axes: Axes, bead: int, value: float, look: Look) -> None:

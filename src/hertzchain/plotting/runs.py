@@ -24,7 +24,7 @@ from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import check_bool, check_choice, check_list, text
 from .acting_times import limit_to_forces
-from .colours import curve_colour, grey, signed_map
+from .colours import curve_colour, free_numbers, grey, signed_map
 from .enlarged import finish_enlarged, small_groups
 from .force_lines import (
     ForceLine,
@@ -264,13 +264,14 @@ def _draw_forces(
     number = 1 + max((line.run for line in force_lines(axes)), default=-1)
     dashes = itertools.cycle(SENSOR_LINES)
     resting = [_static(run, bead, curve[2]) for bead, curve in zip(beads, curves, strict=True)]
-    for i, (times, force, curve, cut_off) in enumerate(curves, first):
+    numbers = free_numbers(axes, first, len(curves))
+    for i, rest, (times, force, curve, cut_off) in zip(numbers, resting, curves, strict=True):
         wall = curve.endswith("wall")
         words = filter(None, (name, curve if places else ""))
         line = ForceLine(
             factor * times, force, number if compared is None else compared, ", ".join(words),
             cut_off=cut_off, named=named, chain=None if name else run.chain,
-            static=resting[i - first],
+            static=rest,
             color=curve_colour(axes, i), linestyle="-" if wall else next(dashes),
             linewidth=WALL_WIDTH if wall else None,
         )  # fmt: skip

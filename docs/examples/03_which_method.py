@@ -54,7 +54,10 @@ for name, pulse in pulses.items():
     # The curves of propagate and local_rate would hide that of simulate.
     if name not in ("propagate", "local_rate"):
         # The last bead leaves the free end, and is no part of the curve.
-        left.semilogy(np.arange(1, 100), pulse.velocity[:-1], **style)
+        # Circles show the modified BCA, whose curve coincides with that of simulate.
+        marker = "o" if name == "modified_bca" else None
+        left.semilogy(np.arange(1, 100), pulse.velocity[:-1], marker=marker, markevery=9,
+                      markersize=4.5, markerfacecolor="none", **style)
     if name != "simulate":
         error = abs(pulse.velocity / exact - 1)[inner]
         right.semilogy(np.arange(5, 98), error, **style)
@@ -62,7 +65,7 @@ for name, pulse in pulses.items():
                        textcoords="offset points", color=style["color"])
 left.annotate("simulation", (45, exact[44]), xytext=(-6, -6), textcoords="offset points",
               ha="right", va="top")
-left.annotate("modified BCA", (70, exact[69]), xytext=(-6, -6), textcoords="offset points",
+left.annotate("modified BCA", (70, exact[69]), xytext=(-10, -9), textcoords="offset points",
               ha="right", va="top", color=styles["modified_bca"]["color"])
 left.annotate("BCA", (60, pulses["bca"].velocity[59]), xytext=(6, 6),
               textcoords="offset points", color=styles["bca"]["color"])

@@ -45,8 +45,8 @@ def test_traces_show_signals_noise_and_notes():
     several = hc.Traces.from_arrays(times, more) + data
     text, figures = parsed(several)
     assert figures == 6
-    hidden = len(several.shots[0].signals) - 6
-    assert f"{hidden} more sensors are not shown here; plot() shows all." in text
+    hidden = len(list(several)) - 6
+    assert f"{hidden} more signals are not shown here; plot() shows all." in text
 
 
 def test_comparisons_show_the_table_of_their_summary():
@@ -72,6 +72,12 @@ def test_fits_show_parameters_verdict_and_notes(result):
     assert stated < text.index("residual / noise")
     wrong = hc.fit(traces(), chain(), free=["time_offset"], diagnose=False)
     assert "the model does not describe the data. The errors below have" in parsed(wrong)[0]
+    # Signals of all shots are drawn, with the number of the shot.
+    wall = hc.Traces.from_arrays(recorded()[0], {"wall [N]": recorded()[1]["wall [N]"]})
+    twice = hc.fit(wall + wall, chain(), free=["time_offset"], diagnose=False)
+    both, figures = parsed(twice)
+    assert figures == 4
+    assert all(f"wall, shot {shot} [N]" in both for shot in (1, 2))
     # Names of parameters remain as they are typed in ``free``.
     names = {*result.names, *(each.name for each in result.constants)}
     typed = [note for note in result.warnings if note.split()[0] in names or "." in note.split()[0]]

@@ -100,6 +100,23 @@ def test_what_a_spectrum_or_sensor_does_not_have_is_left_out():
     assert "none yet" in parsed(early)[1]
 
 
+@pytest.mark.parametrize(
+    ("law", "words"),
+    [
+        (hc.Viscoelastic("0.5 us"), ["time", "500 ns", "relaxation time of the material"]),
+        (hc.Viscoelastic(0.1), ["0.1 s (scaled: in its unit of time)"]),
+        (hc.Dashpot("3 N s/m"), ["gamma", "3 kg/s", "damping constant"]),
+        (hc.ElasticPlastic("2 GPa"), ["elastic-plastic", "yield_pressure", "2 GPa"]),
+        (hc.Elastic(), ["No loss"]),
+    ],
+)
+def test_laws_of_loss_have_a_table_of_parameters(law, words):
+    text = parsed(law)[1].replace("\N{NO-BREAK SPACE}", " ")
+    assert text.startswith(type(law).__name__)
+    assert all(word in text for word in words)
+    assert "None" not in text
+
+
 @pytest.mark.parametrize("units", UNITS)
 def test_waves_fronts_and_states_have_their_numbers(units):
     chain = balls(40, units, None).struck_by(count=2, velocity=0.2).replace(right_wall=hc.Wall())

@@ -18,6 +18,7 @@ from ..chain.drawn_bodies import (
 )  # fmt: skip
 from ..chain.hertz_range import ESTIMATED, UNKNOWN_YIELD, HertzRange
 from ..chain.hertz_ratios import MAX_SPEED_RATIO
+from ..chain.laws.base import Loss
 from ..chain.materials import RIGID, Catalogue, Material
 from ..chain.scales import Scales
 from ..chain.walls import Wall
@@ -190,6 +191,27 @@ def wall_html(wall: Wall) -> str:
         "loss": "that of the chain" if wall.loss is None else repr(wall.loss),
     }
     return page("Wall", "", numbers({name: value for name, value in found.items() if value}))
+
+
+def loss_html(law: Loss) -> str:
+    """Parameters of a law with their units and meaning."""
+    rows = []
+    for name, about in law.parameters().items():
+        value, unit = getattr(law, name), law._unit(name) or ""
+        if value is None:
+            continue
+        if about.boolean:
+            shown = "yes" if value else "no"
+        elif about.dimension and name in law.with_units:
+            shown = engineering(value, unit)
+        else:
+            shown = f"{value:g}"
+            if about.dimension:
+                shown += f" {unit} (scaled: in its unit of {about.dimension})"
+        rows.append((name, shown, about.description))
+    doc = (type(law).__doc__ or "").partition("\n")[0]
+    parts = [table(("parameter", "value", "meaning"), rows)] if rows else []
+    return page(type(law).__name__, law.words or law.name, note(doc), *parts)
 
 
 def scales_html(scales: Scales) -> str:

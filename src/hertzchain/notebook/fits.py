@@ -49,15 +49,14 @@ MEASURED, MODEL, RESIDUAL = COLOURS[0], COLOURS[1], COLOURS[2]
 
 
 def traces_html(traces: Traces) -> str:
-    """Signals of the first shot, and noise and unused samples of each sensor."""
-    shot = traces.shots[0]
+    """First signals, and noise and unused samples of each sensor."""
     rows = [
         (signal.name, f"{index + 1}", counted(int(signal.valid.sum()), "sample"),
          engineering(float(np.nanmax(np.abs(signal.values))), signal.unit),
          engineering(signal.sigma, signal.unit))
         for index, signal in traces
     ]  # fmt: skip
-    step = float(np.median(np.diff(shot.times)))
+    step = float(np.median(np.diff(traces.shots[0].times)))
     shown = {
         "shots": f"{len(traces.shots)}",
         "samples": f"{traces.samples}",
@@ -65,14 +64,13 @@ def traces_html(traces: Traces) -> str:
     }
     return page(
         "Traces", ", ".join(traces.names),
-        *_figures(shot, [None] * len(shot.signals)), numbers(shown),
+        *_figures(traces.shots), numbers(shown),
         table(("sensor", "shot", "used", "largest", "noise"), rows), *_notes(traces.notes()),
     )  # fmt: skip
 
 
 def trace_comparison_html(found: TraceComparison) -> str:
     """Data and simulation of the first sensors, and the table of all."""
-    shot = found.traces.shots[0]
     models = [
         scale * model for scale, model in zip(found.scales, found.signals, strict=True)
     ]  # fmt: skip
@@ -85,8 +83,8 @@ def trace_comparison_html(found: TraceComparison) -> str:
     }  # fmt: skip
     return page(
         "TraceComparison", "data and simulation", *_notes([found._statement]),
-        legend((("data", MEASURED), ("simulation", MODEL))), *_figures(shot, models),
-        numbers(shown), table(
+        legend((("data", MEASURED), ("simulation", MODEL))),
+        *_figures(found.traces.shots, [models]), numbers(shown), table(
             headings, [(each.name, *own) for each, own in zip(found.sensors, cells, strict=True)]
         ),
         *_notes(found.notes[found.exchanged :]),
@@ -95,14 +93,14 @@ def trace_comparison_html(found: TraceComparison) -> str:
 
 def fit_html(result: FitResult) -> str:
     """The verdict, data, fit and residuals of the first sensors, the parameters and all notes."""
-    residuals = [values for shot, _, values in result.residuals() if shot == 1]
+    residuals = [values for *_, values in result.residuals()]
     verdict = result.verdict.replace(NO_ERRORS, NO_ERRORS.replace("above", "below"))
     per_sample = result.chi2_per_sample
     about = f"{counted(len(result.names), 'parameter')} from {result.traces.samples} samples"
     return page(
         "FitResult", about, *_notes((verdict,), _names(result)),
         legend((("data", MEASURED), ("fit", MODEL), ("residual / noise", RESIDUAL))),
-        *_figures(result.traces.shots[0], result.predicted[0], residuals),
+        *_figures(result.traces.shots, result.predicted, residuals),
         table(("parameter", "value"), result.rows()),
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
         *_notes((*result.warnings, result._loss_note), _names(result)),
@@ -158,27 +156,35 @@ def posterior_html(posterior: Posterior) -> str:
 
 
 def _figures(
-    shot: Shot, models: Sequence[Array | None], residuals: Sequence[Array] = ()
+    shots: Sequence[Shot],
+    models: Sequence[Sequence[Array]] = (),
+    residuals: Sequence[Array] = (),
 ) -> list[str]:
-    """Signals, models and residuals of the first sensors over time."""
-    factor, second = axis_unit(shot.times, "s", "SI")
-    pairs = list(zip(shot.signals, models, strict=True))
-    time, parts, count = f"time{second}", [], min(len(pairs), MAX_SENSORS)
-    times, columns = factor * shot.times, min(SIGNAL_COLUMNS // count, COLUMNS)
-    for i, (signal, model) in enumerate(pairs[:MAX_SENSORS]):
+    """Signals, models and residuals of the first sensors of the shots over time."""
+    signals = [(shot, i, each) for shot, data in enumerate(shots)
+               for i, each in enumerate(data.signals)]  # fmt: skip
+    count = min(len(signals), MAX_SENSORS)
+    parts, columns = [], min(SIGNAL_COLUMNS // count, COLUMNS)
+    for number, (shot, i, signal) in enumerate(signals[:count]):
+        factor, second = axis_unit(shots[shot].times, "s", "SI")
+        times, time = factor * shots[shot].times, f"time{second}"
         unit, label = axis_unit(signal.values, signal.unit, "SI")
         seen = np.where(signal.valid, signal.values, np.nan)
-        broad = model is not None
-        curves = [Curve(*thinned(times, unit * seen, columns), "data", MEASURED, broad=broad)]
-        if model is not None:
+        curves = [
+            Curve(*thinned(times, unit * seen, columns), "data", MEASURED, broad=bool(models))
+        ]
+        if models:
+            model = models[shot][i]
             kept = slice(None, None, max(len(model) // MODEL_POINTS, 1))
             curves.append(Curve(times[kept], unit * model[kept], "", MODEL))
-        parts.append(chart(curves, time, f"{signal.name}{label}", height=HEIGHT))
+        name = signal.name + (f", shot {shot + 1}" if len(shots) > 1 else "")
+        parts.append(chart(curves, time, f"{name}{label}", height=HEIGHT))
         if residuals:
-            curve = Curve(*thinned(times, residuals[i], RESIDUAL_COLUMNS // count), "", RESIDUAL)
+            rest = thinned(times, residuals[number], RESIDUAL_COLUMNS // count)
+            curve = Curve(*rest, "", RESIDUAL)
             parts.append(chart([curve], time, "residual", height=RESIDUAL_HEIGHT))
-    if (hidden := len(pairs) - MAX_SENSORS) > 0:
-        text = f"{counted(hidden, 'more sensor')} {'is' if hidden == 1 else 'are'} not shown here"
+    if (hidden := len(signals) - count) > 0:
+        text = f"{counted(hidden, 'more signal')} {'is' if hidden == 1 else 'are'} not shown here"
         parts.append(note(f"{text}; plot() shows all."))
     return parts
 

@@ -66,9 +66,8 @@ def parameter(
 
 def may_pull(*, default: bool) -> Any:
     """Create the field ``attractive`` of a law whose force can become negative."""
-    about = Parameter(
-        "attractive", "whether the force may pull before the overlap ends", boolean=True
-    )
+    about = Parameter("attractive", "whether the force may pull before the overlap ends",
+                      boolean=True)  # fmt: skip
     return dataclasses.field(default=default, metadata={"parameter": about})
 
 
@@ -132,6 +131,11 @@ class Loss(Part):
         for name in sorted(self.parameters(), key=lambda each: each != "attractive"):
             self._check(name)
 
+    def _repr_html_(self) -> str:
+        from ...notebook.chains import loss_html
+
+        return loss_html(self)
+
     def _check(self, name: str) -> None:
         """Check one field, and convert it to a plain number."""
         about, value = self.parameters()[name], getattr(self, name)
@@ -163,11 +167,8 @@ class Loss(Part):
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Descriptions of the fields of the law, by name."""
-        return {
-            item.name: item.metadata["parameter"]
-            for item in dataclasses.fields(cls)
-            if "parameter" in item.metadata
-        }
+        return {item.name: item.metadata["parameter"] for item in dataclasses.fields(cls)
+                if "parameter" in item.metadata}  # fmt: skip
 
     def row(self, exponent: float) -> LawRow:
         """Kernel parameters common to all contacts of an exponent; `InputError` if unsupported."""
@@ -431,11 +432,10 @@ def _contact_with(
             raise InputError(
                 f"{name} has a unit ({value!r}): give both reduced_mass and stiffness in SI units"
             )
-    units = {1.0: "N/m", 1.5: "N/m**1.5"}
     mass = number("reduced mass", 0.5 if reduced_mass is None else reduced_mass,
                   unit="kg" if si else SCALED, above=0.0)  # fmt: skip
     k = number("stiffness", 1.0 if stiffness is None else stiffness,
-               unit=units.get(p) if si else SCALED, above=0.0)  # fmt: skip
+               unit={1.0: "N/m", 1.5: "N/m**1.5"}.get(p) if si else SCALED, above=0.0)  # fmt: skip
     return ContactArrays(p, np.array([k]), np.array([mass]))
 
 

@@ -19,9 +19,12 @@ from hertzchain.theory.universal_functions import bca_growth
 def law_and_simulation(axes: Axes, law: hc.Pulse, exact: hc.Pulse, i: int, label: str) -> None:
     """Velocities by a law as a line, and by simulation as symbols."""
     shown = slice(None, len(exact.bead) - 3)
-    axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[i], label=label)
-    axes.plot(exact.bead[shown], exact.velocity[shown], MARKERS[i], color=COLOURS[i],
-              markerfacecolor="none", markevery=(3 * i, 12))  # fmt: skip
+    style = {"color": COLOURS[i], "marker": MARKERS[i], "markerfacecolor": "none"}
+    axes.plot(law.bead[shown], law.velocity[shown], color=COLOURS[i])
+    axes.plot(exact.bead[shown], exact.velocity[shown], linestyle="none", markevery=(3 * i, 12),
+              **style)  # fmt: skip
+    # The legend has the line and the symbol of each chain.
+    axes.plot([], [], label=label, **style)
 
 
 def label_lines(axes: Axes, **lines: str) -> None:

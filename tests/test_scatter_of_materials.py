@@ -45,6 +45,31 @@ def test_balls_and_walls_of_a_material_have_one_factor_and_those_of_others_have_
         assert [each.density for each in chain.materials] == [m.density for m in ROW.materials]
 
 
+def test_each_material_has_its_own_scatter():
+    both = hc.Scatter(young={"brass": "20%", "others": "1%"}, samples=40).sample(ROW)
+    steel, brass = np.log([_moduli(each)[:2] / _moduli(ROW)[:2] for each in both]).T
+    assert steel.std() == pytest.approx(0.01, rel=0.3)
+    assert brass.std() == pytest.approx(0.2, rel=0.3)
+    # The same random numbers, so that the other material only loses its deviation.
+    one = hc.Scatter(young={"brass": 0.2}, samples=40).sample(ROW)
+    assert [_moduli(each)[0] for each in one] == [STEEL.young] * 40
+    assert [_moduli(each)[1] for each in one] == [_moduli(each)[1] for each in both]
+    assert hc.Scatter(young={"brass": 0.2})._in_words("SI") == "modulus brass +-20%"
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"ptfe": 0.05}, "unknown material of a scatter of Young's moduli 'ptfe'.*brass, steel"),
+        ({"brass": 5.0}, "young of a scatter of brass.*'5%'"),
+        ({}, "names no material"),
+    ],
+)
+def test_other_scatters_by_material_are_errors(given, message):
+    with pytest.raises(hc.InputError, match=message):
+        hc.Scatter(young=given).sample(ROW)
+
+
 def test_losses_by_pairs_of_materials_follow_and_rigid_walls_stay():
     pairs = {("steel-52100", "brass"): hc.Restitution(0.9), "others": hc.Elastic()}
     lossy = ROW.replace(loss=pairs, left_wall=hc.Wall.rigid())
@@ -104,11 +129,12 @@ def test_chains_whose_forces_do_not_depend_on_the_materials_are_errors(chain, ke
 
 
 def test_the_command_prints_the_distribution_of_python():
-    more = ["--young-scatter", "5%", "--yield-scatter", "0.1", "--loss", "elastic-plastic"]
+    more = ["--young-scatter", "1%", "--young-scatter", "steel-52100=5%", "--yield-scatter", "0.1",
+            "--loss", "elastic-plastic"]  # fmt: skip
     done = CliRunner().invoke(cli, [*OPTIONS, *more])
     assert done.exit_code == 0, done.output
     document = json.loads(done.stdout)
-    assert document["scatter"]["young"] == 0.05
+    assert document["scatter"]["young"] == {"others": 0.01, "steel-52100": 0.05}
     assert document["scatter"]["yield_strength"] == 0.1
     scatter = hc.Scatter(young=0.05, yield_strength=0.1, samples=5)
     found = hc.distribution(PLAIN.replace(loss=hc.ElasticPlastic()), "wall_force.peak", scatter)
@@ -124,6 +150,7 @@ def test_the_command_prints_the_distribution_of_python():
             ["--yield-scatter", "5%"],
             "changes only contacts that yield.*: add --loss elastic-plastic, or",
         ),
+        (["--young-scatter", "1%", "--young-scatter", "5%"], "names no material, nor does"),
         ([], "--young-scatter or --yield-scatter, such as 5%"),
     ],
 )

@@ -14,6 +14,7 @@ from ..validation.keywords import checked_fields
 from ..validation.numbers import number
 from ..validation.objects import check_type
 from .boundary_checks import check_units
+from .description import mass_in_words
 from .mass_and_stiffness import sphere_masses
 from .materials import Materials
 from .parts import Part
@@ -41,7 +42,9 @@ class Cap(Part):
     --------
     >>> import hertzchain as hc
     >>> hc.Chain.uniform(20).with_cap(4.0).cap
-    Cap(mass=4.0, stiffness=None)
+    Cap(mass = 4)
+    >>> hc.Chain.from_materials("5 mm", "brass", beads=9).with_cap("5 g").cap
+    Cap(mass = 5 g)
     """
 
     mass: float | None = field(default=None, metadata=scale("mass"))
@@ -55,6 +58,24 @@ class Cap(Part):
             if (value := getattr(self, name)) is not None:
                 checked = number(f"{name} of a cap", value, unit=unit, above=0.0)
                 object.__setattr__(self, name, checked)
+
+    def __repr__(self) -> str:
+        real = "mass" in self.with_units
+        parts = []
+        if self.mass is not None:
+            parts.append(f"mass = {mass_in_words(self.mass) if real else f'{self.mass:.4g}'}")
+        if self.stiffness is not None:
+            unit = " N/m^p" if real or "stiffness" in self.with_units else ""
+            parts.append(f"stiffness = {self.stiffness:.4g}{unit}")
+        return f"Cap({', '.join(parts)})"
+
+
+def cap_of_chain(cap: Cap, mass: float, *, scaled: bool) -> Cap:
+    """The cap with its mass, which is in SI units unless the chain is scaled."""
+    found = Cap(mass, cap.stiffness)
+    if not scaled:
+        object.__setattr__(found, "with_units", frozenset({"mass"}))
+    return found
 
 
 def checked_cap(

@@ -17,6 +17,7 @@ import numpy as np
 from ..errors import InputError, short_repr
 from ..validation.keywords import checked_arguments, checked_fields, checked_methods
 from ..validation.numbers import contact_number, has_unit, number
+from .description import stiffness_in_words
 from .fields import ChainFields
 from .input_checks import warn_soft
 from .materials import contact_modulus
@@ -205,6 +206,8 @@ class Pad:
 
     >>> import hertzchain as hc
     >>> chain = hc.Chain.from_materials(5e-3, "steel-316", beads=4)
+    >>> hc.Pad("1 kN/mm")
+    Pad(stiffness = 1 kN/mm)
     >>> chain.with_contacts({2: hc.Pad("1 kN/mm")}).exponent
     array([1.5, 1. , 1.5])
     """
@@ -218,6 +221,9 @@ class Pad:
         if not has_unit(self.stiffness):
             warn_soft("the stiffness of the pad", value, self.exponent)
         object.__setattr__(self, "stiffness", value)
+
+    def __repr__(self) -> str:
+        return f"Pad(stiffness = {stiffness_in_words(self.stiffness, self.exponent)})"
 
     def _between(self, radius: float, other_radius: float) -> Pad:  # noqa: ARG002
         return self

@@ -33,7 +33,7 @@ from .boundary_checks import (
     check_precompression,
     warn_soft_walls,
 )
-from .cap import Cap, checked_cap, with_radius_of_cap
+from .cap import Cap, cap_of_chain, checked_cap, with_radius_of_cap
 from .contact_groups import ContactGroup, group_contacts
 from .drives import Drive
 from .laws import Loss
@@ -187,7 +187,7 @@ class ChainFields(Frozen):
             )
         self._set("masses", masses)
         if cap is not None:
-            self._set("cap", Cap(float(masses[-1]), cap.stiffness))
+            self._set("cap", cap_of_chain(cap, float(masses[-1]), scaled=self.scaled))
             radii = with_radius_of_cap(self.radii, masses, self.materials, scaled=self.scaled)
             self._set("radii", _read_only(radii))
             # The cap is not part of a taper, and has no scatter.

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
-import numpy as np
-
 from ..collision import Array
-from ..errors import InputError
+from ..errors import InputError, unknown_name_error
+from ..validation.objects import text
 from .chain import Chain
+from .impact_speed import relative_deviation
 from .laws.elastic_plastic import ElasticPlastic
 from .materials import RIGID, Material
-from .per_contact import MaterialPairs
+from .per_contact import OTHERS, MaterialPairs
 from .walls import Wall
 
 ENDS: Final = ("left_wall", "right_wall")
 # In words, by the field of `Material`.
 CONSTANTS: Final = {"young": "Young's moduli", "yield_strength": "yield strengths"}
+Spread = float | dict[str, float]
 
 
 def named_materials(chain: Chain) -> dict[str, Material]:
@@ -56,7 +58,35 @@ def with_changed_materials(chain: Chain, change: Callable[[Material], Material])
     return chain.replace(**fields)
 
 
-def check_random_materials(chain: Chain, constant: str) -> None:
+def spread_from(what: str, given: object) -> Spread:
+    """Check the scatter of a constant, of all materials or by their names."""
+    if not isinstance(given, Mapping):
+        return relative_deviation(what, given)
+    if not given:
+        raise InputError(f"{what} names no material: give one, such as {{'nylon': '20%'}}")
+    found = {text(f"material of {what}", name): value for name, value in given.items()}
+    return {name: relative_deviation(f"{what} of {name}" if name != OTHERS else what, value)
+            for name, value in found.items()}  # fmt: skip
+
+
+def spread_in_words(spread: Spread) -> str:
+    """Such as ``+-5%`` or ``+-1% (nylon +-20%)``."""
+    if isinstance(spread, float):
+        return f"+-{100.0 * spread:.3g}%"
+    named = ", ".join(f"{name} +-{100.0 * value:.3g}%"
+                      for name, value in spread.items() if name != OTHERS)  # fmt: skip
+    if not named or OTHERS not in spread:
+        return named or spread_in_words(spread[OTHERS])
+    return f"{spread_in_words(spread[OTHERS])} ({named})"
+
+
+def _spread_of(spread: Spread, material: str) -> float:
+    if isinstance(spread, float):
+        return spread
+    return spread.get(material, spread.get(OTHERS, 0.0))
+
+
+def check_random_materials(chain: Chain, constant: str, spread: Spread) -> None:
     """Raise `InputError` unless the forces of a chain depend on a constant of its materials."""
     words = CONSTANTS[constant]
     if chain.materials is None:
@@ -69,6 +99,10 @@ def check_random_materials(chain: Chain, constant: str) -> None:
             f"a scatter of {words} does not change the stiffness of the contacts, which this chain "
             "gives: omit the stiffness, or this scatter"
         )
+    known = sorted(named_materials(chain))
+    for name in spread if isinstance(spread, dict) else ():
+        if name not in (*known, OTHERS):
+            raise unknown_name_error(f"material of a scatter of {words}", name, known)
     laws = chain.contact_losses
     if constant == "yield_strength" and not any(
         isinstance(law, ElasticPlastic) and law.needs_yield_strength for law in laws
@@ -80,22 +114,21 @@ def check_random_materials(chain: Chain, constant: str) -> None:
 
 
 def with_random_materials(
-    chains: Sequence[Chain], spreads: Mapping[str, float], draws: Array
+    chains: Sequence[Chain], spreads: Mapping[str, Spread], draws: Array
 ) -> list[Chain]:
     """The chains with log-normal constants, one factor per material; draws have shape (S, M, F)."""
     return [_with_factors(*each, spreads) for each in zip(chains, draws, strict=True)]
 
 
-def _with_factors(chain: Chain, draws: Array, spreads: Mapping[str, float]) -> Chain:
+def _with_factors(chain: Chain, draws: Array, spreads: Mapping[str, Spread]) -> Chain:
     # In alphabetical order, random numbers do not depend on the order of the balls.
     places = {name: i for i, name in enumerate(sorted(named_materials(chain)))}
-    factors = np.exp(draws * np.array([*spreads.values()]))
 
     def changed(each: Material) -> Material:
-        own = zip(spreads, factors[places[each.name]].tolist(), strict=True)
-        values = {field: (getattr(each, field), factor) for field, factor in own}
+        own = zip(spreads.items(), draws[places[each.name]].tolist(), strict=True)
         return replace(each, **{
-            field: value * factor for field, (value, factor) in values.items() if value is not None
+            field: value * math.exp(draw * _spread_of(spread, each.name))
+            for (field, spread), draw in own if (value := getattr(each, field)) is not None
         })  # fmt: skip
 
     return with_changed_materials(chain, changed)

@@ -303,20 +303,28 @@ def noise_from(texts: tuple[str, ...]) -> float | str | dict[str, float | str] |
     """Noise of all sensors, or by sensor; None if it has to be estimated."""
     from ..traces.noise import OTHERS
 
+    found = by_name("--noise", "sensor", "wall", OTHERS, texts)
+    if not isinstance(found, dict):
+        return found
+    return {name if name == OTHERS else _usual_name(name): each for name, each in found.items()}
+
+
+def by_name(
+    option: str, noun: str, example: str, others: str, texts: tuple[str, ...]
+) -> float | str | dict[str, float | str] | None:
+    """Values such as ``5%`` for all, or by name, such as ``nylon=20%``; None without any."""
     if len(texts) == 1 and "=" not in texts[0]:
         return as_typed(texts[0])
-    others = [text for text in texts if "=" not in text]
-    if len(others) > 1:
+    unnamed = [text for text in texts if "=" not in text]
+    if len(unnamed) > 1:
         raise click.UsageError(
-            f"--noise {others[1]!r} names no sensor, nor does --noise {others[0]!r}; give one for "
-            f"all sensors, and exceptions such as --noise 'wall={others[1]}'"
+            f"{option} {unnamed[1]!r} names no {noun}, nor does {option} {unnamed[0]!r}; give one "
+            f"for all {noun}s, and exceptions such as {option} '{example}={unnamed[1]}'"
         )
     found: dict[str, float | str] = {}
     for text in texts:
-        name, equals, size = text.partition("=")
-        found[_usual_name(name.strip()) if equals else OTHERS] = as_typed(
-            (size if equals else text).strip()
-        )
+        name, equals, value = text.rpartition("=")
+        found[name.strip() if equals else others] = as_typed(value.strip())
     return found or None
 
 

@@ -15,6 +15,7 @@ from .options import (
     Grade,
     StrictCommand,
     as_typed,
+    by_name,
     figure_option,
     json_option,
     length_from,
@@ -69,16 +70,19 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @click.option(
     "--young-scatter",
     "of_young",
-    metavar="SCATTER",
-    help="Relative standard deviation of Young's modulus, such as 0.05 or 5%, alone or in "
-    "addition.  It is a property of the material, not of a ball: in each random chain, all balls, "
-    "strikers and walls of one material have the same factor, and those of other materials have "
-    "another one.  Logarithms are normally distributed.",
+    multiple=True,
+    metavar="[MATERIAL=]SCATTER",
+    help="Relative standard deviation of Young's modulus of all materials or of one, such as 5% or "
+    "nylon=20%, alone or in addition; repeatable, and with a name, an exception.  It is a property "
+    "of the material, not of a ball: in each random chain, all balls, strikers and walls of one "
+    "material have the same factor, and those of other materials have another one.  Logarithms "
+    "are normally distributed.",
 )
 @click.option(
     "--yield-scatter",
     "of_yield",
-    metavar="SCATTER",
+    multiple=True,
+    metavar="[MATERIAL=]SCATTER",
     help="The same for the yield strength, with --loss elastic-plastic.",
 )
 @click.option(
@@ -99,8 +103,8 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 @figure_option("Plot the distribution to FILE.")
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, gaps: str | None,
-    of_speed: str | None, of_young: str | None, of_yield: str | None, some: str | None, count: int,
-    seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
+    of_speed: str | None, of_young: tuple[str, ...], of_yield: tuple[str, ...], some: str | None,
+    count: int, seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
     plot: Path | None,
 ) -> int:  # fmt: skip
     """Show how a quantity varies if sizes, speed, ... scatter.
@@ -117,18 +121,20 @@ def scatter(
       hertzchain scatter chain.toml --grade 100 --quantity arrival@last --plot arrival.png
       hertzchain scatter chain.toml --gaps 5um
       hertzchain scatter chain.toml --grade 100 --speed-scatter 2%
-      hertzchain scatter chain.toml --young-scatter 5%
+      hertzchain scatter chain.toml --young-scatter 1% --young-scatter nylon=20%
     """
     import hertzchain
 
+    from ..chain.impact_speed import relative_deviation
     from ..validation.numbers import whole_number
 
     if as_json and as_csv:
         raise click.UsageError("--json and --csv cannot be combined")
     if relative is not None and grade is not None:
         raise click.UsageError("give --scatter, such as 1%, or --grade, such as 100, not both")
-    others = {"--speed-scatter": of_speed, "--young-scatter": of_young, "--yield-scatter": of_yield}
-    if all(each is None for each in (relative, grade, gaps, *others.values())):
+    if not any((of_young, of_yield)) and all(
+        each is None for each in (relative, grade, gaps, of_speed)
+    ):
         raise click.UsageError(
             "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um, or "
             "--speed-scatter, such as 2%, or --young-scatter or --yield-scatter, such as 5%"
@@ -139,7 +145,9 @@ def scatter(
     part = None if relative is None else _part(relative, chain)
     name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
     apart = None if gaps is None else length_from("--gaps", gaps, chain)
-    speed, young, strength = (_deviation(*each) for each in others.items())
+    speed = None if of_speed is None else relative_deviation("--speed-scatter", as_typed(of_speed))
+    young = _of_materials("--young-scatter", of_young)
+    strength = _of_materials("--yield-scatter", of_yield)
     deviations = hertzchain.Scatter(
         part, grade, samples=count, beads=some, gaps=apart, speed=speed, young=young,
         yield_strength=strength,
@@ -168,11 +176,13 @@ def _part(text: str, chain: Chain) -> float:
     return relative_scatter("--scatter", as_typed(text), chain=chain, above=0.0)
 
 
-def _deviation(option: str, text: str | None) -> float | None:
-    """A scatter of the speed or of a constant of materials."""
-    from ..chain.impact_speed import relative_deviation
+def _of_materials(option: str, texts: tuple[str, ...]) -> float | dict[str, float] | None:
+    """A scatter of a constant of all materials, or by material."""
+    from ..chain.per_contact import OTHERS
+    from ..chain.random_materials import spread_from
 
-    return None if text is None else relative_deviation(option, as_typed(text))
+    given = by_name(option, "material", "nylon", OTHERS, texts)
+    return None if given is None else spread_from(option, given)
 
 
 def _document(found: Distribution) -> dict[str, Any]:

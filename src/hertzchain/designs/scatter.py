@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 import numpy as np
 
 from ..chain.chain import Chain
 from ..chain.impact_speed import at_other_speeds, check_impact, relative_deviation
-from ..chain.random_materials import check_random_materials, with_random_materials
+from ..chain.random_materials import (
+    Spread,
+    check_random_materials,
+    spread_from,
+    spread_in_words,
+    with_random_materials,
+)
 from ..chain.random_radii import (
     BALL_GRADES,
     check_scatter,
@@ -63,12 +69,14 @@ class Scatter:
     speed : float, optional
         Standard deviation of the logarithm of the speed of the impact, such as 0.02 or ``"2%"``,
         alone or in addition.  All velocities of a chain are multiplied by the same random factor.
-    young : float, optional
+    young : float or mapping from str to float, optional
         Standard deviation of the logarithm of Young's modulus, such as 0.05 or ``"5%"``, alone or
         in addition, for chains with materials.  It is a property of a material, not of a ball: in
         each sample, all balls, strikers and walls of one material have the same random factor, and
-        those of different materials have independent ones.  ``beads`` has no effect on it.
-    yield_strength : float, optional
+        those of different materials have independent ones.  A mapping has one by material, such as
+        ``{"nylon": "20%", "others": "1%"}``; a material without an entry does not deviate.
+        ``beads`` has no effect on it.
+    yield_strength : float or mapping from str to float, optional
         The same for the yield strength, if contacts yield (`ElasticPlastic`).
 
     Examples
@@ -85,8 +93,8 @@ class Scatter:
     beads: Any = None
     gaps: float | str | None = None
     speed: float | None = None
-    young: float | None = None
-    yield_strength: float | None = None
+    young: Spread | None = field(default=None, hash=False)
+    yield_strength: Spread | None = field(default=None, hash=False)
 
     def __post_init__(self) -> None:
         both = self.radius is not None and self.grade is not None
@@ -98,7 +106,10 @@ class Scatter:
             )
         for key in _RELATIVE:
             if (value := getattr(self, key)) is not None:
-                spread = relative_deviation(f"{key} of a scatter", value)
+                if key == "speed":
+                    spread: Spread = relative_deviation("speed of a scatter", value)
+                else:
+                    spread = spread_from(f"{key} of a scatter", value)
                 object.__setattr__(self, key, spread)
         if self.gaps is not None:
             # The chain, which is not known here, decides about the unit.
@@ -155,7 +166,7 @@ class Scatter:
         return self._chains(chain, self._draws(whole_number("seed", seed, least=0), chain.beads))
 
     @property
-    def _of_materials(self) -> dict[str, float]:
+    def _of_materials(self) -> dict[str, Spread]:
         """Standard deviations of constants of materials."""
         found = {"young": self.young, "yield_strength": self.yield_strength}
         return {key: value for key, value in found.items() if value is not None}
@@ -164,8 +175,8 @@ class Scatter:
         """Raise `InputError` if a chain cannot have the scatter; the size of the gaps."""
         if self.speed is not None:
             check_impact(chain)
-        for constant in self._of_materials:
-            check_random_materials(chain, constant)
+        for constant, spread in self._of_materials.items():
+            check_random_materials(chain, constant, spread)
         return check_scatter(chain, self.radius, self.grade, self.gaps, self.beads)
 
     def _draws(self, seed: int, beads: int, samples: int | None = None) -> Array:
@@ -207,7 +218,7 @@ class Scatter:
         if isinstance(size, float | int):
             size = with_unit(size, "m", units)
         given = ((words, getattr(self, key)) for key, words in _RELATIVE.items())
-        others = [f"{key} +-{100.0 * value:.3g}%" for key, value in given if value is not None]
+        others = [f"{key} {spread_in_words(value)}" for key, value in given if value is not None]
         return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "", *others)))
 
     @property

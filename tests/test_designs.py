@@ -862,6 +862,33 @@ def test_the_row_of_equal_balls_is_named_and_a_search_that_does_not_beat_it_says
     assert "nothing better" not in hc.design(problem, budget=100).summary()
 
 
+def test_a_better_given_chain_of_other_sizes_is_explained_and_sizes_at_limits_are_named():
+    chain = hc.Chain.from_materials(
+        diameters=["10 mm", *["3 mm"] * 4], materials="steel-52100", velocity="0.05 m/s",
+        right_wall=hc.Wall.of("steel-52100"),
+    )  # fmt: skip
+    balls = hc.vary.balls(materials=["steel-52100"], diameters=["8 mm", "10 mm"], beads="2:")
+    found = hc.design(hc.Design(chain, minimise="wall_force.peak", vary=[balls]), budget=100)
+    reason = "the given chain has sizes outside of the allowed ones: 3 mm"
+    assert f"\n    {reason}\n" in found.summary()
+    document = found.as_dict()
+    assert document["given_chain"]["value"] < found.value
+    assert document["given_chain"]["remarks"] == [reason]
+    assert document["order"].startswith("10 mm steel-52100 (arrives), 8 mm steel-52100")
+    assert document["totals"]["length"] == pytest.approx(2 * found.chain.radii.sum())
+    # Among sizes, the given ones are allowed, and the mass is smallest at the smallest.
+    sizes = hc.vary.radii("1.5 mm", "5 mm", beads="2:")
+    light = hc.design(hc.Design(chain, minimise="mass", vary=[sizes]), budget=100)
+    (line,) = (each for each in light.as_dict()["remarks"] if "that vary" in each)
+    count = int(np.isclose(light.chain.radii[1:], 1.5e-3).sum())
+    assert re.fullmatch(
+        rf"{count} of the 4 diameters that vary (is|are) the smallest allowed, 3 mm: smaller ones "
+        "may be better", line
+    )  # fmt: skip
+    assert f"\n  {line}\n" in light.summary()
+    assert reason not in light.summary()
+
+
 def test_a_search_with_scatter_says_that_it_found_nothing_better_than_equal_balls():
     chain = hc.Chain.from_materials(
         "5 mm", "steel-52100", beads=5, velocity="0.1 m/s", right_wall=hc.Wall.of("steel-52100")

@@ -116,16 +116,23 @@ def design(
 
 
 def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None:
+    from ..designs.bounds import note_on_impact
     from ..designs.design import dry_run
     from ..designs.dry_run import in_lines
+    from ..validation.json_types import finite
 
     found = dry_run(problem, **options)
     if not as_json:
         show_text(on_command_line(in_lines(problem, found)))
         return
     show_json({
+        "objectives": [*map(str, problem.objectives)],
         "method": found.method, "size": found.size, "compared": found.compared,
-        "values": found.given, "seconds_per_trial": found.trial, "seconds": found.seconds,
+        "budget": finite({"simulations": found.budget.runs, "seconds": found.budget.seconds}),
+        "simulations_per_trial": found.samples, "impossible": found.impossible,
+        "values": finite(found.given), "pressure": found.pressure or None,
+        "seconds_per_trial": found.trial, "seconds": found.seconds,
+        "notes": note_on_impact(problem),
     })  # fmt: skip
 
 

@@ -13,7 +13,8 @@
   `overlap_slopes`, `finite_differences`, contacts in `yielding`;
 - the result: `result`, `verification`, `verified`, `new_samples`, `bounds`, `neighbours`,
   `reference_chains`, `ball_tapers`, `yield_range`, `comparison`, `limits_if_yielding`, `curves`,
-  `rejections`, `report`, `ends_of_search`, `compared_in_words`, `sizes_in_words`, `exports`;
+  `rejections`, `report`, `allowed_sizes`, `ends_of_search`, `compared_in_words`,
+  `sizes_in_words`, `exports`;
 - deviations of beads: `sensitivity`, `distribution`.
 """
 

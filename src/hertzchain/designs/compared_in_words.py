@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.yield_pressure import assumes_pressure
 from ..representation import listed
+from .allowed_sizes import given_beyond_allowed
 from .comparison import (
     advantage,
     compared_chains,
+    given_chain,
     objective_if_fully_plastic,
     objective_if_yielding,
     value_in_samples,
@@ -164,6 +166,9 @@ def _remarks(result: DesignResult, columns: list[Column], found: Verified) -> li
     lines = _not_met(result, found)
     if met(result.problem, found.values):
         lines += _dependence(result, columns, found)
+    worse = advantage(result, result.value, result.objective_of(found)) < 0.0
+    if worse and found is given_chain(result):
+        lines += given_beyond_allowed(result)
     if str(result.problem.objective.single) != WALL_PEAK:
         lines += _compared_second_hit(result, found)
     return lines

@@ -9,20 +9,25 @@ import numpy as np
 from ..chain.chain import Chain
 from ..store.chain_as_toml import chain_as_toml, chain_document
 from ..validation.json_types import finite
+from .allowed_sizes import at_bounds
 from .compared_in_words import reference_remarks
 from .comparison import (
+    GIVEN,
     better_if_yielding,
     compared,
+    compared_chains,
     equal_balls,
     objective_if_yielding,
     references_in_words,
 )
+from .ends_of_search import no_better, not_met_with_given
 from .limits_if_yielding import (
     met_if_yielding,
     violated_if_fully_plastic,
     violated_only_if_yielding,
 )
 from .measures import Measure
+from .sizes_in_words import order_in_words
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -95,9 +100,8 @@ def _fully_plastic(found: Verified) -> dict[str, Any] | None:
     }
 
 
-def _reference(result: DesignResult, name: str) -> dict[str, Any]:
+def _reference(result: DesignResult, found: Verified, balls: str = "") -> dict[str, Any]:
     """A chain to compare with, and whether contacts that yield reverse the comparison."""
-    found = result.references[name]
     both = compared(result, found)
     return {
         "value": both.value,
@@ -112,7 +116,7 @@ def _reference(result: DesignResult, name: str) -> dict[str, Any]:
         "remarks": reference_remarks(result, found),
         "scattered": dict(found.scattered),
         "peak_of_second_hit": found.second_peak,
-        "balls": equal_balls(result, name) or None,
+        "balls": balls or None,
         "chain_file": chain_document(found.chain),
     }
 
@@ -130,10 +134,25 @@ def _better_if_yielding(result: DesignResult) -> dict[str, Any] | None:
     } | _beads(found.chain)
 
 
+def _point(point: DesignResult) -> dict[str, Any]:
+    """A point of a Pareto front."""
+    found = point.verified
+    return {
+        "values": dict(point.values),
+        "hertz_range_kept": not found.outside_range,
+        "with_yielding_contacts": dict(found.yielding),
+        **_range_of_yield(found),
+        "at_fully_plastic_pressure": _fully_plastic(found),
+        "peak_of_second_hit": found.second_peak,
+    } | _balls(point)
+
+
 def as_dict(result: DesignResult) -> dict[str, Any]:
     """Plain types; numbers that are not finite are None."""
     problem = result.problem
     best, median = result.spread
+    given = compared_chains(result).get(GIVEN)
+    remarks = [*not_met_with_given(result), *no_better(result), *at_bounds(result)]
     document = {
         "objective": str(problem.objective),
         "statistic": None if problem.scatter is None else problem.scatter.statistic,
@@ -156,9 +175,10 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "constraints_met_with_yielding_contacts": met_if_yielding(result),
         "constraints": [str(each) for each in problem.requirements],
         "references": {
-            words: _reference(result, name)
+            words: _reference(result, result.references[name], equal_balls(result, name))
             for words, name in zip(references_in_words(result), result.references, strict=True)
         },
+        "given_chain": None if given is None else _reference(result, given),
         "bounds": [str(each) for each in result.bounds],
         "promise": None if result.promise is None else dict(
             zip(("value", "error"), result.promise, strict=True)
@@ -174,16 +194,13 @@ def as_dict(result: DesignResult) -> dict[str, Any]:
         "rejected": result.rejected,
         "seconds": result.seconds,
         **_balls(result),
+        "order": order_in_words(result) if problem.discrete and result.chain.materials else None,
+        "totals": {key: Measure(key).from_chain(result.chain, 0.0)
+                   for key in ("length", "mass")},
         "optima": [result.objective_of(each) for each in result.optima],
-        "front": [
-            {"values": dict(point.values),
-             "hertz_range_kept": not point.verified.outside_range,
-             "with_yielding_contacts": dict(point.verified.yielding),
-             **_range_of_yield(point.verified),
-             "at_fully_plastic_pressure": _fully_plastic(point.verified)} | _balls(point)
-            for point in result.front
-        ],
+        "front": [*map(_point, result.front)],
         "front_is_complete": result.front_is_complete if result.front else None,
+        "remarks": [each.strip() for each in remarks],
         "notes": list(result.notes),
     }  # fmt: skip
     found: dict[str, Any] = finite(document)

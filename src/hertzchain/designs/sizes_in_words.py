@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from .allowed_sizes import at_bounds
 from .size_space import SizeSpace
 from .start_rows import ARRIVES
 
@@ -48,7 +49,7 @@ def sizes_in_lines(result: DesignResult) -> list[str]:
         if len(parts) > MAX_SIZES:
             parts = [*parts[: MAX_SIZES // 2], "...", *parts[-(MAX_SIZES // 2) :]]
         lines.append(f"{shown}, from the struck end: {', '.join(parts)}")
-    return lines
+    return lines + [f"  {each}" for each in at_bounds(result)]
 
 
 def order_in_words(result: DesignResult) -> str:

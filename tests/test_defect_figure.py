@@ -28,7 +28,7 @@ def scan():
     columns = {"ball 3 [N]": ball, "wall [N]": wall}
     traces = hc.Traces.from_arrays(1e-6 * np.arange(400), columns)
     free = ["stiffness", "loss.time", "time_offset"]
-    return hc.scan_defects(hc.fit(traces, row([10.0] * 8), free=free), "bead")
+    return hc.scan_defects(hc.fit(traces, row([10.0] * 8), free=free, diagnose=False), "bead")
 
 
 @pytest.mark.long

@@ -87,6 +87,7 @@ def test_a_chain_without_a_cap_has_no_mass_of_a_cap():
         hc.fit(traces, bench(beads=8, behind=3), free=["cap.mass"])
 
 
+@pytest.mark.long
 def test_a_wrong_mass_of_a_cap_is_named_before_the_stiffness_of_the_cell(capped):
     row, traces = capped
     heavy = row.replace(cap=dataclasses.replace(row.cap, mass=1.05 * row.cap.mass))

@@ -172,6 +172,7 @@ def test_random_errors_of_times_are_named():
     assert float(size) == pytest.approx(1e6 * error, rel=0.1)
 
 
+@pytest.mark.long
 def test_a_noise_proportional_to_the_signal_is_named():
     rng = np.random.default_rng(7)
 

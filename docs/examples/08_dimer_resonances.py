@@ -17,7 +17,7 @@ plt.style.use("hertzchain.figures")
 # Follow the pulse along 121 beads for 300 mass ratios.  All contacts have the same stiffness.  The
 # decay is read between beads 41 and 81: before them the pulse forms, and beyond them, near the
 # strongest resonance, larger waves behind the pulse overtake it
-# (:doc:`/how-to/dimers`).
+# (:doc:`/how-to/dimer_resonances`).
 
 
 def velocities(ratios):

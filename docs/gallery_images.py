@@ -7,6 +7,7 @@ default those of the first figure.
 """
 
 import os
+import pickle
 import re
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,8 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any])
 
 def _save_panel(figure: Any, panel: int, path: Path) -> None:
     """Save one of the axes of a figure without letters, which thumbnails are too small for."""
+    # Later blocks of the notebook may use the figure.
+    figure = pickle.loads(pickle.dumps(figure))
     axes = figure.axes[panel]
     for each in figure.axes:
         each.set_visible(each is axes)
@@ -61,3 +64,4 @@ def _save_panel(figure: Any, panel: int, path: Path) -> None:
         line.set_linewidth(1.8 * line.get_linewidth())
         line.set_markersize(1.3 * line.get_markersize())
     figure.savefig(path, dpi=DPI, bbox_inches=None)
+    plt.close(figure)

@@ -39,7 +39,10 @@ from .decoration import small_beads
 from .strikers import other_method
 
 # Where the errors are largest; the last bead moves freely.
-ERRORS: Final = "least accurate at the first beads and at bead N, which is about 30% too slow"
+ERRORS: Final = (
+    "least accurate at the first beads and at bead N, which is about 30% too slow within the range "
+    "of the fit"
+)
 
 
 @dataclass(frozen=True)

@@ -376,6 +376,16 @@ def test_links_bring_everything_back(page, example):
 
 
 def test_two_chains_are_computed_and_compared(page):
+    # All errors of beads 2 to 39 are drawn, although the smallest is 2e-10.
+    errors = page.tab.get_attribute("#chart-error path.local-rate", "d")
+    assert (errors.count("M"), errors.count("L")) == (1, 37)
+    heights = [float(each) for each in re.findall(r" ([-\d.]+)", errors)]
+    assert (
+        0.0
+        < min(heights)
+        < max(heights)
+        < page.tab.locator("#chart-error").bounding_box()["height"]
+    )
     page.tab.click("#compare")
     page.settle()
     drag(page, slider("rate"), 0.1)

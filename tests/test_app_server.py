@@ -846,17 +846,23 @@ def test_the_figure_of_the_pulse_shows_the_curves_of_the_page(client):
         found = texts_of(exported(client, TAPER, "figure", **given))
         names = ("simulation", "BCA", "hard sphere", "2/3 BCA",
                  "modified BCA", "modified BCA, printed", "local-rate law")  # fmt: skip
-        letters = ("", "A, ", "B, ")
-        return {each + name for each in letters for name in names if each + name in found}
+        chains = [each for each in found if each[:3] in ("A, ", "B, ")]
+        return {*(name for name in names if name in found), *chains}, chains
 
     usual = {"simulation", "BCA", "modified BCA", "local-rate law"}
-    assert legend(HIDDEN) == usual
-    assert legend([*HIDDEN, "exact"]) == usual - {"simulation"}
-    assert legend([]) == usual | {"hard sphere", "2/3 BCA", "modified BCA, printed"}
-    second = {"other": {"chain": {"taper": "uniform", "beads": 9}}}
-    for slot, other in (("A", "B"), ("B", "A")):
-        expected = {f"{slot}, {name}" for name in usual} | {f"{other}, simulation"}
-        assert legend(HIDDEN, slot=slot, **second) == expected
+    assert legend(HIDDEN)[0] == usual
+    assert legend([*HIDDEN, "exact"])[0] == usual - {"simulation"}
+    assert legend([])[0] == usual | {"hard sphere", "2/3 BCA", "modified BCA, printed"}
+    second = {"other": {"chain": {"taper": "uniform", "beads": TAPER["chain"]["beads"]}}}
+    # Colours show the chains, of which A is the first, and lines the methods.
+    taper = "backward-exponential, q = 0.05"
+    for slot, chains in (
+        ("A", [f"A, {taper}", "B, uniform"]),
+        ("B", ["A, uniform", f"B, {taper}"]),
+    ):
+        assert legend(HIDDEN, slot=slot, **second) == (usual | {*chains}, chains)
+    same = legend(HIDDEN, other=TAPER)[1]
+    assert same[:2] == ["A, simulation", "B, simulation"]
     decorated = {"chain": {"taper": "uniform", "beads": 9, "decorated": {"ratio": 0.4}}}
     for hidden, shown in ((HIDDEN, True), ([*HIDDEN, "effective-chain"], False)):
         given = {"figure": "pulse", "format": "svg", "view": {"view": {"hidden": hidden}}}

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Final
@@ -235,8 +235,11 @@ def _shown_curves(
     if their and "other" not in hidden:
         other = chain_of(given["other"])
         if other.units == chain.units:
-            first = {name: found.pop(name) for name in (own + SIMULATION,) if name in found}
-            found = first | {their + SIMULATION: _simulated(other, stop)[0]} | found
+            simulated = {own + SIMULATION: found.pop(own + SIMULATION, None),
+                         their + SIMULATION: _simulated(other, stop)[0]}  # fmt: skip
+            # As on the page, chain A is the first.
+            first = {name: each for name, each in sorted(simulated.items()) if each is not None}
+            found = first | found
     found = {name: each for name, each in found.items() if each.column(quantity) is not None}
     if not found:
         raise InputError("the view of the leading pulse shows no curve; show one to save a figure")
@@ -304,14 +307,22 @@ def _pulse_axes(
 ) -> Axes:
     """The curves of the leading pulse, and the large beads of a decorated chain."""
     from .. import plotting
+    from ..plotting.differences import words_of_chains
     from ..plotting.legends import place_legend
 
-    axes = plotting.plot_pulses(
-        [*curves.values()], quantity, labels=[*curves], log=bool(view.get("log")), legend=False
-    )
     own, their = letters
-    if their and (other := curves.get(their + SIMULATION)):
-        _shift(axes, their + SIMULATION, chain.strikers - other.chain.strikers)
+    other = curves.get(their + SIMULATION) if their else None
+    differ = other is not None and len({*map(tuple, words_of_chains([chain, other.chain]))}) > 1
+    # The names of the page; for two chains, those of the library, which state the difference.
+    axes = plotting.plot_pulses(
+        [replace(each, method=name[len(own) :]) if differ else each
+         for name, each in curves.items()],
+        quantity, labels=None if differ else [*curves], log=bool(view.get("log")), legend=False,
+    )  # fmt: skip
+    if other is not None:
+        _shift(axes, other.chain, chain.strikers - other.chain.strikers)
+    if differ:
+        _add_letters(axes, [*curves])
     if EFFECTIVE not in view.get("hidden", []) and quantity in ("velocity", "arrival"):
         with suppress(InputError):
             effective = effective_chain(chain).bca()
@@ -322,9 +333,25 @@ def _pulse_axes(
     return axes
 
 
-def _shift(axes: Axes, label: str, beads: int) -> None:
+def _add_letters(axes: Axes, names: Sequence[str]) -> None:
+    """Put the letters of two chains, with which the names begin, before their labels."""
+    from matplotlib.lines import Line2D
+
+    listed = [each for each in axes.get_legend_handles_labels()[0] if isinstance(each, Line2D)]
+    curves = [line for line in listed if np.size(line.get_xdata())]
+    letters = [name[: len("A, ")] for name in names]
+    if not curves:
+        # The first entries are those of the colours of the chains.
+        letters = [*dict.fromkeys(letters)]
+    for line, letter in zip(curves or listed, letters, strict=False):
+        line.set_label(f"{letter}{line.get_label()}")
+
+
+def _shift(axes: Axes, chain: Chain, beads: int) -> None:
     """Shift a curve and its symbol at a free end, so that the same balls are above each other."""
-    colour = next(line.get_color() for line in axes.lines if line.get_label() == label)
+    from ..plotting.shared_axes import colour_of_chain
+
+    colour = colour_of_chain(axes, chain)
     for line in axes.lines:
         if line.get_color() == colour:
             line.set_xdata(np.asarray(line.get_xdata()) + beads)

@@ -55,7 +55,7 @@ def looks_of(
     """
     chains = list(dict.fromkeys(tuple(chain) for _, *chain in words))
     methods = list(dict.fromkeys(method for method, *_ in words))
-    different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods)
+    different = len({*map(tuple, words)}) == len(words) >= len(chains) + len(methods) - 1
     given = looks_of_methods(methods)
     if not different or min(len(chains), len(methods)) < 2:
         count, all_differ = max(numbers) + 1, len(methods) == len(words)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -29,6 +29,11 @@ _curves: Final = CurveNotes[tuple[str, Chain, str | None]]()
 def note_curve(line: Line2D, quantity: str, chain: Chain, label: str | None) -> None:
     """Remember the quantity of a curve, for curves of others in the same axes."""
     _curves.add(line, (quantity, chain, label))
+
+
+def colour_of_chain(axes: Axes, chain: Chain) -> Any:
+    """Colour of the first curve of a chain."""
+    return next(line.get_color() for line, (_, own, _) in _curves.of(axes).items() if own is chain)
 
 
 def label_quantities(axes: Axes) -> None:

@@ -11,7 +11,7 @@ import { digitsOf, percent, powers, short, spread, ticks } from "./numbers.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 /** Values below this part of the largest are cut off on logarithmic axes. */
-const SMALLEST = 1e-7;
+const SMALLEST = 1e-10;
 /** Smallest range of an axis of differences [%]. */
 const SMALLEST_PERCENTAGE = 2e-3;
 const LEFT = 62, RIGHT = 20, TOP = 20, BOTTOM = 32;
@@ -43,7 +43,7 @@ export class Chart {
   /** @param {HTMLElement} host @param {(x: number) => void} pick */
   constructor(host, pick) {
     this.host = host;
-    this.plot = svg("g");
+    this.plot = svg("g", { "clip-path": `url(#${host.id}-inside)` });
     this.inside = svg("rect");
     const clip = svg("clipPath", { id: `${host.id}-inside` });
     clip.append(this.inside);
@@ -148,9 +148,7 @@ export class Chart {
     if (!series.length) this.axes.replaceChildren();
     else this.drawAxes(axes);
     this.plot.replaceChildren(...series.flatMap((each) => each.apart ? [this.path(each), this.path({ ...each, points: true })] : each.marked ? [this.path(each), this.circles(each)] : this.path(each)));
-    for (const [name, value] of Object.entries({ x: LEFT - 3, width: this.W - LEFT - RIGHT + 6, height: this.H })) this.inside.setAttribute(name, String(value));
-    if (axes.range) this.plot.setAttribute("clip-path", `url(#${this.host.id}-inside)`);
-    else this.plot.removeAttribute("clip-path");
+    for (const [name, value] of Object.entries({ x: LEFT - 3, y: TOP - 3, width: this.W - LEFT - RIGHT + 6, height: this.H - TOP - BOTTOM + 6 })) this.inside.setAttribute(name, String(value));
     this.cursor(this.at);
   }
 
@@ -199,7 +197,7 @@ export class Chart {
     for (const y of marks) {
       const at = Math.round(this.py(y)) + 0.5;
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
-      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent ? percent(y, digits) : short(y, digits)));
+      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent && !this.log ? percent(y, digits) : short(y, digits) + (axes.percent ? "%" : "")));
     }
     const places = ticks(this.x[0], this.x[1], (right - LEFT) / 50, axes.counted ? 1 : 0);
     for (const at of places) {
@@ -236,7 +234,7 @@ export class Chart {
       return svg("path", { class: `line points ${each.name}`, d: parts.join("") });
     }
     for (let i = 0; i < end; i++) {
-      const good = Number.isFinite(y[i]) && (!this.log || (y[i] >= this.y[0] && y[i] <= this.y[1]));
+      const good = Number.isFinite(y[i]) && (!this.log || y[i] > 0);
       if (good) parts.push(`${on ? "L" : "M"}${this.px(x[i]).toFixed(1)} ${this.py(y[i]).toFixed(1)}`);
       on = good || (on && each.name === "effective-chain");
     }

@@ -9,7 +9,7 @@ from matplotlib.ticker import FixedLocator, MultipleLocator
 from scipy.signal import lsim
 
 import hertzchain as hc
-from hertzchain.plotting.chains import draw_beads
+from hertzchain.plotting.chains import draw_beads, draw_walls
 from hertzchain.plotting.colours import COLOURS
 from hertzchain.plotting.style import figure_style, label_log_axis
 
@@ -99,6 +99,7 @@ def hammer() -> Figure:
         for i, (picture, (name, balls)) in enumerate(zip(pictures, rows.items(), strict=True)):
             struck = balls.struck_by(**HAMMER).replace(right_wall=hc.Wall())
             draw_beads(struck, 1e3, picture)
+            draw_walls(struck, 1e3, 6.0, picture)
             picture.set_aspect("equal")
             picture.set_anchor("W")
             picture.set_xlim(-8.0, 102.0)

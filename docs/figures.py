@@ -216,14 +216,14 @@ def sweep() -> Figure:
     """Momentum as a function of taper and length, and range of validity of the local-rate law."""
     families = {
         "backward-linear": (0.05, 1.5), "backward-exponential": (0.01, 0.4),
-        "forward-linear": (0.0005, 0.0099), "forward-exponential": (0.005, 0.2),
+        "forward-linear": (0.0005, 0.0094), "forward-exponential": (0.005, 0.2),
     }  # fmt: skip
     with figure_style():
         canvas, grid = plt.subplots(2, 2, figsize=(7.4, 5.6), layout="constrained")
         for axes, (taper, (low, high)) in zip(grid.flat, families.items(), strict=True):
             found = hc.sweep({
                 "chain": {"taper": taper},
-                "axes": {"rate": {"linspace": [low, high, 60]}, "beads": list(range(10, 101, 3))},
+                "axes": {"rate": {"linspace": [low, high, 60]}, "beads": list(range(20, 101, 3))},
                 "sweep": {"methods": ["propagate", "local-rate"], "keep": ["momentum"],
                           "at": "last", "errors": ["velocity"]},
             })  # fmt: skip

@@ -30,7 +30,7 @@ def steps() -> Figure:
         label_log_axis(axes.yaxis)
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
-        label_lines(axes, law="-", simulation="o")
+        label_lines(axes, law="-", simulation="o+xs")
         axes.legend(loc="lower left", ncols=2)
     return canvas
 
@@ -45,8 +45,8 @@ def strikers() -> Figure:
             law_and_simulation(left, law, exact, i, rf"$\mu$ = {mass:g}")
         left.set_xlabel("bead $k$")
         left.set_ylabel("velocity $v_k$")
-        left.set_xlim(0.0, 45.0)
-        label_lines(left, law="-", simulation="o")
+        left.set_xlim(1.0, 45.0)
+        label_lines(left, law="-", simulation="o+x")
         left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         wave = hc.solitary_wave()
         momentum, energy = wave.momentum_constant, wave.energy_constant
@@ -144,7 +144,7 @@ def lossy_law() -> Figure:
             axes.set_xlabel("bead $k$")
             axes.set_ylabel("velocity $v_k$")
             if axes is right:
-                label_lines(axes, law="-", simulation="o")
+                label_lines(axes, law="-", simulation="s^")
             # Above the axes, where no curve is.
             axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1 + (axes is right))
     return canvas

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 import hertzchain as hc
 from hertzchain.collision import Array
 from hertzchain.plotting.colours import COLOURS
+from hertzchain.plotting.free_ends import row_style
 from hertzchain.plotting.looks import method_style
 from hertzchain.plotting.style import MARKERS, figure_style, label_log_axis, signed
 from hertzchain.theory.universal_functions import bca_growth
@@ -30,9 +31,10 @@ def law_and_simulation(axes: Axes, law: hc.Pulse, exact: hc.Pulse, i: int, label
 def label_lines(axes: Axes, **lines: str) -> None:
     """Entries of the legend, in grey, for lines and symbols that all curves share."""
     for name, style in lines.items():
-        symbol = {"linestyle": "none", "marker": style, "markerfacecolor": "none"}
-        axes.plot([], [], color="0.4", label=name.replace("_", " "),
-                  **(symbol if style in MARKERS else {"linestyle": style}))  # fmt: skip
+        look = {"linestyle": style}
+        if style[0] in MARKERS:
+            look = {"linestyle": "none", "markerfacecolor": "none", **row_style(style)}
+        axes.plot([], [], color="0.4", label=name.replace("_", " "), **look)
 
 
 def _growth(rate: float, exponent: float = 1.5) -> float:
@@ -74,7 +76,7 @@ def local_rate() -> Figure:
             shown = slice(1, 97)
             right.plot(law.bead[shown], 100.0 * error[shown], color=COLOURS[i])
             right.plot(law.bead[shown], 100.0 * law.velocity_error[shown], "--", color=COLOURS[i])
-        label_lines(left, law="-", simulation="o", BCA="--")
+        label_lines(left, law="-", simulation="o+xs", BCA="--")
         label_lines(right, error="-", estimate="--")
         for axes, what in ((left, "velocity $v_k$"), (right, "error of the velocity [%]")):
             axes.set_yscale("log")
@@ -137,7 +139,7 @@ def fast_changes() -> Figure:
                       markerfacecolor="none")  # fmt: skip
         left.set_xlabel("bead $k$ (radius 1)")
         left.set_ylabel("velocity $v_k$")
-        label_lines(left, law="-", simulation="o")
+        label_lines(left, law="-", simulation="o+xs")
         left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), title="radii", ncols=3)
         sizes = np.geomspace(1e-3, 0.1, 13)
         uniform = hc.Chain.uniform(100)
@@ -182,7 +184,7 @@ def free_end() -> Figure:
                           **style)  # fmt: skip
         left.set_xlabel("bead, counted from the last one: $k - N$")
         left.set_ylabel(r"$v_k\,/\,(e^{\sigma(s)}\,v_{k-1})$")
-        label_lines(left, law="-", simulation="o")
+        label_lines(left, law="-", simulation="o+x")
         left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
         beads = np.arange(9, 41)
         for i, exponent in enumerate((1.5, 1.6)):

@@ -48,10 +48,11 @@ def test_comparisons_explain_the_free_end(log, named):
 def test_the_legend_has_the_symbols_of_the_free_ends():
     axes = hc.plot_pulses([hc.propagate(CHAIN)])
     assert entry(axes, "last bead (free end)").get_marker() == "o"
-    axes = hc.plot_pulses([hc.propagate(CHAIN), hc.modified_bca(CHAIN)])
+    axes = hc.plot_pulses([hc.propagate(CHAIN), hc.local_rate(CHAIN), hc.modified_bca(CHAIN)])
     both = entry(axes, "last bead (free end)").get_marker()
-    # A circle on the left, the four ends of a plus sign on the right.
-    assert np.sum(both.vertices[:, 0] > 0.0) == 4
+    # A circle on the left, the five corners of a square on the right; the modified BCA neglects
+    # the free end.
+    assert np.sum(both.vertices[:, 0] > 0.0) == 5
     plt.close("all")
 
 

@@ -172,6 +172,9 @@ def test_the_legend_of_a_map_is_below_its_axes(walls, title, width):
         assert box.y1 <= axes.xaxis.label.get_window_extent().y0
         assert min(box.x0, box.y0) >= 0.0
         assert box.x1 <= figure.bbox.x1
+        if box.width < axes.bbox.width:
+            shift = 0.5 * (box.x0 + box.x1 - axes.bbox.x0 - axes.bbox.x1)
+            assert abs(shift) < 0.03 * axes.bbox.width
     # The figure is taller by the legend; the axes keep their height.
     assert axes.bbox.height > 0.6 * figure.bbox.height
 

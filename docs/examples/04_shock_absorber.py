@@ -7,7 +7,6 @@ steel balls, five each of 6 mm, 12 mm and 20 mm.  In which order should they sta
 and the wall?
 """
 
-# sphinx_gallery_thumbnail_panel = (2, 1)
 import textwrap
 
 import matplotlib.pyplot as plt

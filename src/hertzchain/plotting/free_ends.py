@@ -20,6 +20,8 @@ from .style import MARKERS
 # largest number of symbols beside it.
 FREE_END: Final = "last bead (free end)"
 UNLISTED: Final = f"_{FREE_END}"
+# Label of a symbol of a method that neglects the free end.
+CONTINUED: Final = "_last bead, as if the chain continued"
 MOST_SYMBOLS: Final = 3
 # Distance of their centres, in units of their size.
 DISTANCE: Final = 1.6
@@ -36,15 +38,14 @@ EDGE: Final = 2.0
 
 def label_free_end(axes: Axes) -> None:
     """Explain the symbols at free ends in the legend, beside those that are drawn."""
-    drawn = [line.get_marker() for line in _symbols(axes)]
+    drawn = [line.get_marker() for line in _symbols(axes) if line.get_label() != CONTINUED]
     known = [each for each in (*MARKERS, END_SYMBOL) if each in drawn]
     shown = known[:MOST_SYMBOLS] or [MARKERS[0]]
     style: dict[str, Any] = {"color": grey(axes, 0.4), "label": FREE_END}
     if len(shown) == 1:
         axes.plot([], [], **style, **end_style(shown[0]))
         return
-    size = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(shown) - 1))
-    axes.plot([], [], **style, marker=_row(shown), markersize=size, linestyle="none")
+    axes.plot([], [], **style, **row_style(shown), linestyle="none")
 
 
 def unlist_hidden_ends(axes: Axes) -> None:
@@ -75,6 +76,12 @@ def end_style(marker: str, symbol: int = 0) -> dict[str, Any]:
         "marker": marker, "linestyle": "none", "zorder": 2.5 - 0.01 * rank,
         "markersize": rcParams["lines.markersize"] * size,
     }  # fmt: skip
+
+
+def row_style(markers: Sequence[str]) -> dict[str, Any]:
+    """Several symbols beside each other, as arguments of `Axes.plot`."""
+    size = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(markers) - 1))
+    return {"marker": _row(markers), "markersize": size}
 
 
 def _row(markers: Sequence[str]) -> Path:

@@ -144,7 +144,7 @@ def put_legend_above(axes: Axes) -> float:
 
 
 def place_legend_below(axes: Axes, *, own: bool = False) -> Legend:
-    """Add a legend below the label of the x axis.
+    """Add a legend below the label of the x axis, below the centre of the axes if there is room.
 
     A figure that was made for these axes becomes taller by the height of the legend.
     """
@@ -171,9 +171,11 @@ def place_legend_below(axes: Axes, *, own: bool = False) -> Legend:
         wrapped = _wrapped(labels, (right - left) / width)
         legend = axes.legend(handles, wrapped, **{**COMPACT, **compact}, **place)
     if own:
+        width, height = legend.get_window_extent().size
+        begin = np.clip(0.5 * (axes.bbox.x0 + axes.bbox.x1 - width), left, max(left, right - width))
+        legend.set_bbox_to_anchor(((begin - axes.bbox.x0) / axes.bbox.width, 0.0), below)
         legend.__class__ = LegendBelow
-        height = legend.get_window_extent().height / figure.dpi
-        figure.set_figheight(figure.get_figheight() + height)
+        figure.set_figheight(figure.get_figheight() + height / figure.dpi)
     return legend
 
 

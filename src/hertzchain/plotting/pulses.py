@@ -23,6 +23,7 @@ from .alternating_beads import HEAVY_BEADS, LIGHT_BEADS, light_beads
 from .colours import curve_colour, free_numbers, grey, number_of_curves
 from .differences import words_of_chains
 from .free_ends import (
+    CONTINUED,
     FREE_END,
     UNLISTED,
     draw_end_outside_limits,
@@ -177,7 +178,7 @@ def plot_pulses(
             free = len(values) in ends and pulse.chain.right_wall is None
             draw_spread(axes, pulse, quantity, curve_colour(axes, look.colour), free=free)
             if free:
-                _draw_free_end(axes, len(values), values[-1], look)
+                _draw_free_end(axes, pulse, quantity, look)
             label = None if grouped else str(name)
             line = _draw(axes, pulse, quantity, values[:-1] if free else values, look, label)
             note_curve(line, quantity, pulse.chain, label if labels is None else None)
@@ -288,10 +289,12 @@ def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, A
     return get_two_axes(ax) if residuals else (get_axes(ax), None)  # type: ignore[arg-type]
 
 
-def _draw_free_end(axes: Axes, bead: int, value: float, look: Look) -> None:
+def _draw_free_end(axes: Axes, pulse: Pulse, quantity: str, look: Look) -> None:
     """A filled symbol, which no line joins to the other beads."""
-    colour = curve_colour(axes, look.colour)
-    axes.plot([bead], [value], color=colour, **end_style(look.end, look.place))
+    values, style = pulse._predicted(quantity), end_style(look.end, look.place)
+    if not ends_free(pulse, quantity):
+        style["label"] = CONTINUED
+    axes.plot([len(values)], values[-1:], color=curve_colour(axes, look.colour), **style)
 
 
 def _label_parts(axes: Axes, pulses: Sequence[Pulse], quantity: str, looks: Sequence[Look]) -> None:

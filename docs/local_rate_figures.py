@@ -163,7 +163,7 @@ def fast_changes() -> Figure:
             label_log_axis(axis)
         right.set_xlabel("change of the radii x [%]")
         right.set_ylabel("largest error of a velocity [%]")
-        right.set_ylim(bottom=1e-5)
+        right.set_ylim(bottom=3e-4)
         right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return canvas
 

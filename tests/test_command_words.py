@@ -56,6 +56,37 @@ def test_methods_without_the_quantity_are_omitted(run, tmp_path):
     assert figure.stat().st_size > 1000
 
 
+def test_a_given_quantity_is_shown_alone(run, tmp_path):
+    chains = {
+        "one": hc.Chain.uniform(10),
+        "long": hc.Chain.tapered("forward-linear", 0.02, beads=12),
+    }
+    files = [tmp_path / f"{name}.csv" for name in chains]
+    for file, chain in zip(files, chains.values(), strict=True):
+        np.savetxt(file, chain.radii, header="radius", comments="")
+    given = ("--method", "local-rate", "--quantity", "energy")
+    code, out, _ = run("pulse", *files, *given)
+    table = [line.split() for line in out.splitlines()]
+    assert code == 0
+    assert ["bead", "k", "one", "long"] in table
+    assert out.count("bead k") == 1
+    energies = [hc.local_rate(chain).energy for chain in chains.values()]
+    rows = {each[0]: [*map(float, each[1:])] for each in table if each and each[0].isdecimal()}
+    assert rows["9"] == pytest.approx([each[8] for each in energies], rel=1e-7)
+    assert rows["12"] == pytest.approx([energies[1][11]], rel=1e-7)
+    # By default, all quantities of each chain.
+    assert run("pulse", *files, *given[:2])[1].count("bead k") == 2
+    spread = hc.disorder(chains["one"], scatter=0.01).arrival_spread
+    random = ("--method", "disorder", "--scatter", "1%", "--quantity", "arrival")
+    out = run("pulse", files[0], *random)[1]
+    assert "velocity" not in out
+    assert out.count(f"{spread[7]:.3g}") >= 1
+    _, out, err = run("pulse", files[0], "--method", "hard-sphere", "--method", "bca",
+                      "--quantity", "arrival")  # fmt: skip
+    assert "hard sphere is omitted" in err
+    assert "velocity" not in out
+
+
 def test_speeds_that_alternate_have_a_mean(run, tmp_path):
     chain = hc.Chain.dimer(radii=[1.0, 0.7], beads=30)
     pulse = hc.propagate(chain)

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import click
+from click.core import ParameterSource
 
 from ..pulse.quantities import COLUMN_QUANTITIES, ON_REQUEST
 from .chain_options import ChainOptions, chain_options, chains_from
@@ -66,7 +67,8 @@ def _method_help() -> str:
     default="velocity",
     show_default=True,
     metavar="NAME",
-    help="Quantity to plot and, with several methods, to show side by side: "
+    help="Quantity to plot and, if it is given or there are several methods, to show alone, chains "
+    "or methods side by side: "
     f"{', '.join(PREDICTED)}; with --method disorder also "
     f"{', '.join(name for name in COLUMN_QUANTITIES if name not in PREDICTED)}.  The velocity is "
     "that of the beads, the speed that of the pulse from bead to bead.",
@@ -148,12 +150,16 @@ def pulse(
         raise click.UsageError("--json and --csv require one chain FILE")
     # `simulate` supports every chain.
     optional = {*chosen} - {*methods, "simulate"}
+    source = click.get_current_context().get_parameter_source("quantity")
+    alone = source is ParameterSource.COMMANDLINE
     found = {}
     with progress_bar("beads passed") as progress:
         for name, chain in chains.items():
             found[name] = _all_computed(chain, progress, settings, optional)
     if plot is not None or not (as_json or as_csv):
-        found = {name: _with_quantity(each, quantity) for name, each in found.items()}
+        having = {name: _with_quantity(each, quantity) for name, each in found.items()}
+        # A note that methods are omitted is about this quantity.
+        alone, found = alone or having != found, having
     pulses = [pulse for each in found.values() for pulse in each]
     _name_without_spread(pulses, quantity)
     if plot is not None:
@@ -166,8 +172,7 @@ def pulse(
     elif as_csv:
         click.echo(results.pulses_as_csv(pulses, more), nl=False)
     else:
-        for each in found.values():
-            _show_pulses(each, quantity, every_bead=every_bead)
+        _show_found(found, quantity, alone=alone, every_bead=every_bead)
 
 
 def _plotted(found: Mapping[str, Sequence[Pulse]], quantity: str, log: bool | None) -> Axes:
@@ -299,9 +304,22 @@ def _name_without_spread(pulses: list[Pulse], quantity: str) -> None:
                    err=True)  # fmt: skip
 
 
-def _show_pulses(pulses: list[Pulse], quantity: str, *, every_bead: bool) -> None:
-    """Print a table of one chain: all quantities of one pulse, or one quantity of several."""
-    if len(pulses) == 1 and quantity not in ON_REQUEST:
+def _show_found(
+    found: Mapping[str, list[Pulse]], quantity: str, *, alone: bool, every_bead: bool
+) -> None:
+    """Print one table of a quantity that was given of several chains, or tables of each chain."""
+    pulses = [pulse for each in found.values() for pulse in each]
+    kinds = {(pulse.method, pulse.chain.units) for pulse in pulses}
+    if alone and 1 < len(found) == len(pulses) and len(kinds) == 1:
+        show_table(side_by_side(pulses, quantity, every_bead, names=list(found)))
+        return
+    for each in found.values():
+        _show_pulses(each, quantity, alone=alone, every_bead=every_bead)
+
+
+def _show_pulses(pulses: list[Pulse], quantity: str, *, alone: bool, every_bead: bool) -> None:
+    """Print a table of one chain: all quantities of one pulse, or one quantity."""
+    if len(pulses) == 1 and not alone:
         show_table(pulse_table(pulses[0], every_bead))
         return
     show_table(side_by_side(pulses, quantity, every_bead))

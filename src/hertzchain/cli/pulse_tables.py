@@ -52,28 +52,37 @@ def pulse_table(pulse: Pulse, every_bead: bool) -> Table:
     return table
 
 
-def side_by_side(pulses: list[Pulse], quantity: str, every_bead: bool) -> Table:
-    """Table of one quantity with one column per pulse."""
+def side_by_side(
+    pulses: list[Pulse], quantity: str, every_bead: bool, names: Sequence[str] = ()
+) -> Table:
+    """Table of one quantity with one column per pulse; ``names`` are those of several chains."""
+    from rich.markup import escape
+
     from ..pulse.notes import OUT_OF_ORDER, out_of_order
     from ..pulse.quantities import COLUMN_QUANTITIES
 
     chain = pulses[0].chain
     per = COLUMN_QUANTITIES[quantity].per
-    count = chain.beads - (per == "contact")
+    count = max(pulse.chain.beads for pulse in pulses) - (per == "contact")
     rows = table_rows(count, every_bead)
     unit = "" if chain.units == "scaled" else f" in {pulses[0].unit(quantity)}"
-    table = _bead_table(f"{quantity}{unit}: {chain.description}", len(rows), count, per)
-    columns = [pulse.column(quantity) for pulse in pulses]
-    for pulse in pulses:
-        table.add_column(pulse.method, justify="right")
-    cells = [_cells(values, rows, 8) for values in columns]
+    title = f"{quantity}{unit}: {pulses[0].method if names else chain.description}"
+    table, cells = _bead_table(title, len(rows), count, per), []
+    for pulse, name in zip(pulses, names or [each.method for each in pulses], strict=True):
+        table.add_column(escape(name), justify="right")
+        cells.append(_cells(pulse.column(quantity), rows, 8))
+    spread, more = f"{quantity}_spread", []
+    if len(pulses) == 1 and spread in COLUMN_QUANTITIES and pulses[0].column(spread) is not None:
+        table.add_column("spread", justify="right")
+        cells.append(_cells(pulses[0].column(spread), rows, 3))
+        more = [SPREADS.partition(", ")[0]]
     for i, *row in zip(rows, *cells, strict=True):
         table.add_row(str(i + 1), *row)
     timed = quantity in ("residence", "speed")
     unordered = timed and any(out_of_order(each.residence) for each in pulses)
     speeds = [note for each in pulses for note in _speed_notes(each)] if quantity == "speed" else []
     static = [note for each in pulses for note in _static_notes(each, quantity)]
-    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "", *speeds, *static)
+    _add_notes(table, pulses, OUT_OF_ORDER if unordered else "", *speeds, *static, *more)
     return table
 
 

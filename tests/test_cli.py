@@ -303,6 +303,8 @@ def test_cite_has_the_literature_of_the_pages(page, run):
         (["pulse", "--beads", "2.5"], "not a valid integer"),
         (["pulse", "--beads", "1000000000000000"], "beads need 372529029.8 GiB of memory"),
         (["pulse", "--method", "bcaa"], "did you mean 'bca'"),
+        (["pulse", "--taper", "fwd-exp"], "(did you mean 'forward-exponential'?)"),
+        (["simulate", "--diamter", "1"], "'--diamter'. Did you mean '--diameter'? "),
         (["pulse", "--quantity", "sped"], "unknown quantity 'sped'"),
         (["pulse", "--quantity", "arrival_spread"], "arrival_spread requires --method disorder"),
         (["pulse", "--json", "--csv"], "cannot be combined"),

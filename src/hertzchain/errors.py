@@ -20,6 +20,7 @@ from __future__ import annotations
 import difflib
 import functools
 import numbers
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -175,6 +176,8 @@ def similar_names(name: object, choices: Iterable[str]) -> str:
         near = sorted(containing, key=lambda choice: not choice.startswith(asked))
     if not near:
         near = [choice for choice in lower if _is_near(asked, choice.partition("-")[0])]
+    if not near:
+        near = [choice for choice in lower if _abbreviates(asked, choice)]
     return alternatives(lower[each] for each in near[:3])
 
 
@@ -187,6 +190,21 @@ def alternatives(names: Iterable[str]) -> str:
 def _is_near(asked: str, word: str) -> bool:
     """Whether a misspelled word such as "steal" means the first word of a name, "steel-304"."""
     return difflib.SequenceMatcher(None, word, asked).ratio() > NEAR
+
+
+def _abbreviates(asked: str, choice: str) -> bool:
+    """Whether each part of a name such as "fwd-exp" has letters of that of "forward-exponential".
+
+    They are in this order, from the first one on.
+    """
+    parts, words = re.split("[-_ ]", asked), choice.split("-")
+    if not 1 < len(parts) == len(words):
+        return False
+    return all(
+        part and part[0] == word[0] and all(letter in letters for letter in part)
+        for part, word in zip(parts, words, strict=True)
+        if (letters := iter(word))
+    )
 
 
 def real_number(what: str, value: object) -> float:

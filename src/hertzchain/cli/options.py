@@ -7,6 +7,7 @@ import itertools
 import math
 import os
 from collections.abc import Callable
+from difflib import SequenceMatcher
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
@@ -103,7 +104,9 @@ NAMES_OF_ARGUMENTS: Final = {"samples": "--chains", "relative": "--scatter"}
 def _explained(
     command: click.Command, error: click.NoSuchOption, ctx: click.Context
 ) -> click.UsageError:
-    """The error, with the option or the key of chain files that has this meaning."""
+    """The error, with the closest option, or the key of chain files that has this meaning."""
+    similar = _closest(error.option_name, error.possibilities or [])
+    error = click.NoSuchOption(error.option_name, possibilities=similar, ctx=ctx)
     name = error.option_name.lstrip("-").replace("-", "_")
     other = NAMES_OF_ARGUMENTS.get(name)
     if any(other in param.opts for param in command.params):
@@ -118,6 +121,12 @@ def _explained(
     return click.UsageError(
         f"No such option '{error.option_name}'; in a chain FILE, write {key}", ctx
     )
+
+
+def _closest(name: str, similar: list[str]) -> list[str]:
+    """Those of several similar names that are most similar: one, unless they are equally so."""
+    ratios = [SequenceMatcher(None, each, name).ratio() for each in similar]
+    return [each for each, ratio in zip(similar, ratios, strict=True) if ratio == max(ratios)]
 
 
 def _has_one_value(param: click.Parameter) -> bool:

@@ -511,18 +511,22 @@ def test_names_of_keys_in_a_list_of_strikers_need_its_number():
     chain = {"diameters": "10 mm", "beads": 5, "material": "steel-52100",
              "struck_by": [{"velocity": "0.1 m/s", "diameter": "10 mm"}]}  # fmt: skip
     axes = {"struck_by.velocity": ["0.1 m/s", "0.2 m/s"], "struck_by.2.diameter": ["5 mm", "6 mm"]}
+    two = chain | {"struck_by": 2 * chain["struck_by"]}
+    axes["struck_by.3.diameter"] = axes.pop("struck_by.2.diameter")
     with pytest.raises(hc.InputError) as raised:
-        hc.sweep({"chain": chain, "axes": axes})
+        hc.sweep({"chain": two, "axes": axes})
     assert str(raised.value).splitlines()[1:] == [
-        "  axes.struck_by.velocity: struck_by is a list of 1, so the name needs a number: write "
+        "  axes.struck_by.velocity: struck_by is a list of 2, so the name needs a number: write "
         "'struck_by.1.velocity' for its first item",
-        "  axes.struck_by.2.diameter: there is no item 2 in struck_by, a list of 1",
+        "  axes.struck_by.3.diameter: there is no item 3 in struck_by, a list of 2",
     ]
-    axes = {"struck_by.1.velocity": ["1 mm/s", "2 mm/s"]}
     sweep = {"methods": ["simulate"], "keep": ["velocity"], "at": "last"}
-    slow, fast = hc.sweep({"chain": chain, "axes": axes, "sweep": sweep}).velocity.values.ravel()
-    # Hertz's law has no scale of velocity.
-    assert fast == pytest.approx(2.0 * slow, rel=1e-9)
+    # The only striker needs no number.
+    for name in ("struck_by.1.velocity", "struck_by.velocity"):
+        plan = {"chain": chain, "axes": {name: ["1 mm/s", "2 mm/s"]}, "sweep": sweep}
+        slow, fast = hc.sweep(plan).velocity.values.ravel()
+        # Hertz's law has no scale of velocity.
+        assert fast == pytest.approx(2.0 * slow, rel=1e-9)
 
 
 def test_constants_of_named_materials_vary():
@@ -1372,6 +1376,19 @@ def test_a_point_that_fails_by_two_methods_counts_once(run, tmp_path):
     assert code == 1
     assert "6 of 9 points done, 3 failed" in out
     assert "(and 2 more points, similarly)" in out
+
+
+def test_a_sweep_states_its_assumed_yield_pressure(run, tmp_path):
+    spec = {"chain": {"diameters": "8 mm", "beads": 3, "material": "brass", "velocity": "0.1 m/s",
+                      "loss": {"law": "elastic-plastic"}},
+            "axes": {"velocity": [0.1]}, "sweep": {"methods": ["simulate"], "keep": ["velocity"]},
+            }  # fmt: skip
+    note = "the yield pressure is assumed to be 1.6 times the yield strength"
+    found = hc.sweep(spec, tmp_path / "store")
+    assert found.attrs["yield_pressure"].startswith(note)
+    assert f"  note: {note}" in run("sweep", "status", tmp_path / "store")[1]
+    spec["chain"]["loss"]["factor"] = 2.8
+    assert "yield_pressure" not in hc.sweep(spec).attrs
 
 
 def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):

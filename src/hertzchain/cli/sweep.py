@@ -339,6 +339,7 @@ def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> N
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
     from ..chain.stiff_walls import TOO_STIFF
+    from ..sweeps.assumed_yield import assumed_by
     from ..sweeps.free_faces import note_on_free_faces
     from ..sweeps.plan import plan_of
 
@@ -366,6 +367,8 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
                        "`reason`)")  # fmt: skip
         if note := note_on_free_faces(plan, plan.variables):
             click.echo(f"  note: {note}")
+        if assumed := assumed_by(plan):
+            click.echo(f"  note: {assumed} (factor in [chain.loss])")
     unfinished = counts["missing"] and part is None
     return FAILED if counts["failed"] or unfinished else DONE
 

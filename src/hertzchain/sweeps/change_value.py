@@ -43,6 +43,9 @@ def with_value(
     """
     key, rest, here = path[0], path[1:], (*above, path[0])
     if isinstance(document, list):
+        if len(document) == 1 and isinstance(document[0], Mapping) and not is_place(key):
+            # The only table of a list, such as [[chain.struck_by]], needs no number.
+            return [with_value(document[0], path, value, above)]
         changed = list(document)
         for i in _indices(document, path, above):
             changed[i] = with_value(changed[i], rest, value, here) if rest else value

@@ -17,6 +17,7 @@ from ..pulse.quantities import BODY_QUANTITIES
 from ..simulation.sensor_force import HALF
 from ..store.sweep_layout import STATUS, Variable
 from ..store.sweep_store import FAILED, MEANINGS, plain_text
+from .assumed_yield import assumed_by
 from .axes import Axis
 from .batches import Result
 from .free_faces import has_free_face
@@ -130,9 +131,11 @@ def _by_method(plan: Plan, dtype: str, attributes: dict[str, Any]) -> Variable:
 
 def attributes_of(plan: Plan) -> dict[str, str]:
     """Attributes of the dataset: the specification and the versions of packages."""
+    assumed = assumed_by(plan)
     return {
         "title": plan.specification.title,
         "units": plan.units,
+        **({"yield_pressure": assumed} if assumed else {}),
         "specification": plan.specification.as_json(),
         "hertzchain_version": __version__,
         "python_version": platform.python_version(),

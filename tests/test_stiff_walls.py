@@ -85,6 +85,7 @@ def test_the_command_states_it_with_its_own_option(tmp_path):
     file.write_text(TOML.format(wall="50 kN/mm"))
     done = CliRunner().invoke(cli, ["simulate", str(file)])
     assert "the spring of the right wall replaces the Hertz contact of bead 3" in done.output
+    assert "note: the spring of the right wall" in done.output
     assert "add a light cap: --cap '0.08 g'" in " ".join(done.output.split())
     (note,) = json.loads(CliRunner().invoke(cli, ["simulate", str(file), "--json"]).stdout)["notes"]
     assert "--cap" in note

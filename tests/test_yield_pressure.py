@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import hertzchain as hc
-from hertzchain.chain.yield_pressure import assumes_pressure, with_factor
+from hertzchain.chain.yield_pressure import assumes_pressure, note_on_soft_balls, with_factor
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 ROW = (
@@ -204,11 +204,36 @@ def test_values_of_many_chains_share_the_assumption(run, command):
     assert note not in run(name, *ROW, FULL, *options).stdout
 
 
+def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):
+    note = "the yield strength of steel-304, 205 MPa, is the minimum of annealed bars"
+    wall, steel = hc.Wall.of("steel-304"), hc.material("steel-304")
+
+    def balls(kind, **more):
+        return hc.Chain.from_materials("4 mm", kind, beads=3, right_wall=wall, **more)
+
+    law = hc.ElasticPlastic()
+    assert note_on_soft_balls(balls("steel-304", loss=law)).startswith(note)
+    assert note_on_soft_balls(balls(steel.replace(name="mine"), loss=law))
+    assert note_on_soft_balls(balls("steel-304"), yielding=True)
+    # A wall is of bar, and a given yield pressure needs no strength.
+    hard = steel.replace(yield_strength=800e6)
+    for chain in (balls("steel-52100", loss=law), balls(hard, loss=law), balls("steel-304"),
+                  balls("steel-304", loss=hc.ElasticPlastic(yield_pressure=3e9))):  # fmt: skip
+        assert not note_on_soft_balls(chain)
+    soft = ["--material", "steel-304", *ROW[2:-1]]
+    # The summary of elastic contacts states the peak with contacts that yield.
+    assert f"note: {note}" in " ".join(run("simulate", *soft).stdout.split())
+    scatter = ("scatter", "--scatter", "1%", "--chains", "2", *soft)
+    assert f"note: {note}" in " ".join(run(*scatter).stdout.split())
+
+
 def test_designs_and_comparisons_share_the_assumption(run, tmp_path):
-    chain = row(loss=hc.ElasticPlastic())
+    chain = row(loss=hc.ElasticPlastic()).replace(materials=["steel-304"] * 4)
     note = "is assumed to be 1.6 times the yield strength"
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii("3 mm", "5 mm")])
-    assert note in hc.design(problem, budget=82).summary()
+    summary = hc.design(problem, budget=82).summary()
+    assert note in summary
+    assert "note: the yield strength of steel-304, 205 MPa" in summary
     simulated = hc.simulate(chain, times=200, until="0.2 ms")
     path = tmp_path / "wall.csv"
     table = np.column_stack([simulated.times, simulated.sensor("wall")])

@@ -38,6 +38,9 @@ FIRST_YIELD: Final = 1.60
 # Mechanics, Cambridge 1985, Sec. 6.3.
 FULLY_PLASTIC: Final = 2.8
 
+# Key of the catalogue: the yield strength is the minimum of annealed bars, not that of balls.
+ANNEALED_BAR: Final = "annealed_bar"
+
 STAINLESS: Final = "'steel-304', 'steel-316' or 'steel-440c'"
 # Names that users give to materials of the catalogue.
 OTHER_NAMES: Final = {
@@ -225,8 +228,25 @@ def catalogue() -> Catalogue:
     >>> hc.catalogue()["brass"].young
     101000000000.0
     """
-    document = tomllib.loads((files("hertzchain.chain") / "materials.toml").read_text("utf-8"))
-    return Catalogue({name: Material(name, **entry) for name, entry in document.items()})
+    given = {name: dict(entry) for name, entry in _document().items()}
+    for entry in given.values():
+        entry.pop(ANNEALED_BAR, None)
+    return Catalogue({name: Material(name, **entry) for name, entry in given.items()})
+
+
+@cache
+def _document() -> dict[str, dict[str, Any]]:
+    return tomllib.loads((files("hertzchain.chain") / "materials.toml").read_text("utf-8"))
+
+
+def is_of_annealed_bar(given: Material) -> bool:
+    """Whether the yield strength is the minimum of annealed bars, which balls exceed."""
+    return any(
+        ANNEALED_BAR in entry
+        and given.yield_strength == entry["yield_strength"]
+        and (given.name == name or given.source == entry["source"])
+        for name, entry in _document().items()
+    )
 
 
 @checked_arguments("material")

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Final
 
+from ..representation import listed
 from .laws.elastic_plastic import ElasticPlastic
-from .materials import FIRST_YIELD, FULLY_PLASTIC
+from .materials import FIRST_YIELD, FULLY_PLASTIC, is_of_annealed_bar
 from .per_contact import MaterialPairs
 
 if TYPE_CHECKING:
@@ -37,6 +38,26 @@ def assumes_pressure(chain: Chain) -> bool:
 def assumed_for_all(chain: Chain) -> str:
     """A note beside values of many chains; empty if the yield pressure is given."""
     return ASSUMED_FOR_ALL if assumes_pressure(chain) else ""
+
+
+def note_on_soft_balls(chain: Chain, *, yielding: bool = False) -> str:
+    """A note on balls with the yield strength of annealed bars; empty if it is not used.
+
+    With ``yielding``, values with contacts that yield are shown beside those of elastic ones.
+    """
+    used = yielding or any(law.needs_yield_strength for law in chain.contact_losses)
+    if not used or chain.materials is None:
+        return ""
+    balls = chain.materials[: -1 if chain.cap is not None else None]
+    soft = {each.name: each for each in balls if is_of_annealed_bar(each)}
+    if not soft:
+        return ""
+    strength = min(each.yield_strength or 0.0 for each in soft.values())
+    return (
+        f"the yield strength of {listed(list(soft))}, {strength / 1e6:g} MPa, is the minimum of "
+        "annealed bars; cold-headed balls are harder, with larger forces: give the strength of "
+        "your balls in a custom material"
+    )
 
 
 def yields_at_assumed_pressure(chain: Chain, overlaps: Array) -> bool:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..chain.yield_pressure import note_on_soft_balls
 from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import (
     contacts_without_strength,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from ..simulation.run import Run
     from ..simulation.sensor_force import SensorForce
     from ..simulation.wall_force import WallForce
+    from ..simulation.yielding import WithYield
     from .compared_yield import Yielding
     from .reflections import Contacts
 
@@ -79,7 +81,7 @@ def run_as_dict(
         "yielding_overlap_ratio": None if peak is None else peak.overlap_ratio,
         "yielding_within_range": None if peak is None else not peak.outside,
         "largest_pressure_over_yield": largest_pressure(run),
-        "notes": [*map(on_command_line, run.notes)],
+        "notes": _notes(run, peak),
         "forces_predicted": not (not_a_prediction(run) or (peak is not None and peak.outside)),
         "yielding_proven": None if peak is None else not peak.so_far,
         "peak_of_second_hit": finite(second_hit(run)) if second else None,
@@ -99,6 +101,12 @@ def run_as_dict(
     if budget:
         document["budget"] = _budget_as_dict(run)
     return document | described
+
+
+def _notes(run: Run, yielding: WithYield | None) -> list[str]:
+    """Remarks on the run, and on balls that are harder than annealed bars."""
+    soft = note_on_soft_balls(run.chain, yielding=yielding is not None)
+    return [*map(on_command_line, run.notes), *([soft] if soft else [])]
 
 
 def together(runs: dict[str, Run], found: list[dict[str, object]]) -> dict[str, object]:
@@ -155,7 +163,7 @@ def show_run(
     remarks = [each for each in (dented, remark_on_overlaps(run)) if each]
     springs = elastic_springs(run.chain)
     for line in [*pressures_below_yield(run), *unchecked, *springs, *remarks,
-                 *map(on_command_line, run.notes)]:  # fmt: skip
+                 *(f"note: {note}" for note in _notes(run, yielding[0]))]:  # fmt: skip
         show_text(line)
     for wall in _walls(run):
         show_text(_wall_lines(run, wall))

@@ -237,7 +237,7 @@ def _table(found: Distribution) -> str:
 
 def _notes(found: Distribution) -> list[str]:
     """Remarks on the values, for the table and for JSON."""
-    from ..chain.yield_pressure import assumed_for_all
+    from ..chain.yield_pressure import assumed_for_all, note_on_soft_balls
     from ..designs.measures import measure_of, notes_on
     from ..representation import counted
 
@@ -248,5 +248,6 @@ def _notes(found: Distribution) -> list[str]:
     if few := found._few_values_note(PERCENTILES):
         notes.append(f"{few} (--chains)")
     notes += notes_on(found.chain, [measure_of(found.chain, found.quantity)])
-    materials = *found._stiff_walls, found._yielding_note, assumed_for_all(found.chain)
+    soft = note_on_soft_balls(found.chain, yielding=bool(found._yielding_note))
+    materials = *found._stiff_walls, found._yielding_note, assumed_for_all(found.chain), soft
     return notes + [on_command_line(note) for note in materials if note]

@@ -6,7 +6,12 @@ from math import isfinite, isnan
 from typing import TYPE_CHECKING, Final
 
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
-from ..chain.yield_pressure import ASSUMED_PRESSURE, assumed_for_all, assumes_pressure
+from ..chain.yield_pressure import (
+    ASSUMED_PRESSURE,
+    assumed_for_all,
+    assumes_pressure,
+    note_on_soft_balls,
+)
 from ..representation import counted, listed, usual_unit, with_decimals
 from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
@@ -81,7 +86,8 @@ def summary(result: DesignResult) -> str:
         lines += [
             f"  {i}: {point_in_words(point)}" for i, point in enumerate(result.front, start=1)
         ]
-    lines += [f"note: {note}" for note in (*result.notes, _assumed(result)) if note]
+    notes = *result.notes, _assumed(result), _soft_balls(result)
+    lines += [f"note: {note}" for note in notes if note]
     return "\n".join(lines)
 
 
@@ -90,6 +96,15 @@ def _assumed(result: DesignResult) -> str:
     if result.verified.fully_plastic is None or not assumes_pressure(result.chain):
         return assumed_for_all(result.chain)
     return f"{ASSUMED_PRESSURE}; the search compares chains at the smaller one"
+
+
+def _soft_balls(result: DesignResult) -> str:
+    """A note on balls that are harder than annealed bars; empty if no value depends on it."""
+    for each in result.front or (result,):
+        yielding = has_yielding_value(result, each.verified)
+        if note := note_on_soft_balls(each.chain, yielding=yielding):
+            return note
+    return ""
 
 
 def front_in_words(result: DesignResult) -> str:

@@ -87,6 +87,12 @@ def test_a_given_quantity_is_shown_alone(run, tmp_path):
     assert "velocity" not in out
 
 
+def test_only_simulate_repeats_the_speed(run):
+    words = "Several ones are compared if it is repeated."
+    for command, count in (("simulate", 2), ("scatter", 0), ("app", 0)):
+        assert " ".join(run(command, "--help")[1].split()).count(words) == count
+
+
 def test_speeds_that_alternate_have_a_mean(run, tmp_path):
     chain = hc.Chain.dimer(radii=[1.0, 0.7], beads=30)
     pulse = hc.propagate(chain)

@@ -204,6 +204,25 @@ def test_objectives_without_a_simulation_have_no_default_limit():
     assert not shortest.requirements
 
 
+def test_a_given_row_that_violates_a_limit_is_compared(tmp_path):
+    stock = tmp_path / "stock.csv"
+    stock.write_text("diameter [mm],material\n4,steel-52100\n6,steel-52100\n")
+    row = hc.Chain.from_materials(diameters="8 mm", materials="steel-52100", beads=4, velocity=0.01,
+                                  right_wall=hc.Wall())  # fmt: skip
+    found = hc.design(hc.Design(row, minimise="wall_force.peak",
+                                vary=[hc.vary.balls(stock, beads="2:")],
+                                subject_to={"length": "<= 30 mm"}), budget=8)  # fmt: skip
+    given = found.summary().partition("  given chain: ")[2].splitlines()
+    peak = hc.simulate(row).wall_force().peak
+    assert given[0] == f"{peak:.4g} N"
+    assert given[1] == f"    this design: {found.value / peak:.1%} of this value"
+    assert given[2] == "    does NOT meet length <= 30 mm (32 mm)"
+    axes = found.plot(kind="forces")
+    labels = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
+    assert labels[0] == f"given chain, peak {peak:.4g} N, violates length"
+    assert axes.lines[0].get_linestyle() == ":"
+
+
 def test_a_stock_has_a_row_to_compare_with_that_is_short_enough(tmp_path):
     """Only the balls of 8 mm suffice for a row of equal ones, which is too long."""
     stock = tmp_path / "stock.csv"

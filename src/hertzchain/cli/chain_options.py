@@ -28,6 +28,19 @@ from .options import Fraction, as_typed, require_unit
 if TYPE_CHECKING:
     from ..chain.chain import Chain
 
+REPEATED: Final = "  Several ones are compared if it is repeated."
+
+
+class ImpactOption(click.Option):
+    """A speed or a height, of which only `simulate` compares several."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        """Names and help of the option."""
+        if ctx.command.name != "simulate" and self.help is not None:
+            self.help = self.help.replace(REPEATED, "")
+        return super().get_help_record(ctx)
+
+
 # Options of the impact.
 IMPACT: Final = (
     click.option(
@@ -36,18 +49,19 @@ IMPACT: Final = (
         "speed",
         multiple=True,
         metavar="SPEED",
+        cls=ImpactOption,
         help="Velocity of the impact, such as '0.1 m/s'.  Replaces that of a FILE; if nothing "
-        "moves in the file, its strikers or else bead 1 get this velocity.  "
-        "`simulate` compares several speeds if it is repeated.  "
-        "[default: 1 m/s, at which steel balls yield]",
+        "moves in the file, its strikers or else bead 1 get this velocity."
+        f"{REPEATED}  [default: 1 m/s, at which steel balls yield]",
     ),
     click.option(
         "--height",
         multiple=True,
         metavar="HEIGHT",
+        cls=ImpactOption,
         help="Height from which the strikers, or else bead 1, fall from rest, such as '5 mm'; "
         "it replaces --speed.  The speed follows from the standard gravity, 9.80665 m/s^2, also "
-        "with another --gravity.  `simulate` compares several heights if it is repeated.",
+        f"with another --gravity.{REPEATED}",
     ),
     click.option(
         "--striker",

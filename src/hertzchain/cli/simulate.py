@@ -171,15 +171,15 @@ def simulate(
 ) -> None:  # fmt: skip
     """Integrate the whole chain and keep its trajectories.
 
-    The forces on walls and in sensors are printed.  Two impulses are printed for a wall: that of
-    the impact and that of the whole run.  The impact ends when the contact with the wall opens and
-    no stronger impact follows.  At a free end, the velocity and the momentum of the last bead are
-    printed; of a cap without a wall, or with a sensor in the last bead, also the largest force of
-    the last contact on it, the acceleration (this force over its mass, without a filter) and its
-    duration.  The force in a sensor in a bead is the mean of the forces on both halves of the bead.
-    Its first maximum belongs to the first pulse; a later wave may be larger.  It is the highest
-    point before the force drops by 10% of its rise; maxima below 1% of the largest force are
-    ignored.
+    The forces on walls and in sensors are printed.  Two impulses are printed for a wall: that
+    of the impact and that of the whole run.  The impact ends when the contact with the wall
+    opens and no stronger impact follows.  At a free end, the velocity and the momentum of the
+    last bead are printed.  If this bead is a cap or has a sensor, the largest force on it, its
+    acceleration (this force over its mass, without a filter) and the duration of the force are
+    printed, too.  The force in a sensor in a bead is the mean of the forces on both halves of
+    the bead.  Its first maximum belongs to the first pulse; a later wave may be larger.  It is
+    the highest point before the force drops by 10% of its rise; maxima below 1% of the largest
+    force are ignored.
 
     If contacts yield at the assumed pressure of the loss elastic-plastic, 1.6 times the yield
     strength, a second simulation at 2.8 times shows the range of the forces.

@@ -66,7 +66,7 @@ def comparison_lines(result: DesignResult) -> list[str]:
     for name, found in compared_chains(result).items():
         lines.append((f"{name}:",))
         lines.append(("  value", *_shown_row(result, columns, found)))
-        if met(result.problem, found.values):
+        if _has_parts(result, found):
             lines.append(("  this design / value", *_parts(result, columns, found)))
         lines += [(f"  {each}",) for each in _remarks(result, columns, found)]
     texts = [text for line in lines if len(line) > 1 for text in line[1:]]
@@ -157,6 +157,11 @@ def _parts(result: DesignResult, columns: list[Column], found: Verified) -> list
     return texts
 
 
+def _has_parts(result: DesignResult, found: Verified) -> bool:
+    """Whether the design is compared with a chain: one that meets the limits, or the given one."""
+    return met(result.problem, found.values) or found is given_chain(result)
+
+
 def _outside(result: DesignResult, column: Column, found: Verified) -> bool:
     return column.outside(found) or column.outside(result.verified)
 
@@ -230,7 +235,7 @@ def _single_values(result: DesignResult, column: Column) -> list[str]:
     for name, found in compared_chains(result).items():
         (value,) = _shown_row(result, [column], found)
         lines.append(f"  {name}: {value}")
-        if met(result.problem, found.values):
+        if _has_parts(result, found):
             (part,) = _parts(result, [column], found)
             lines += [f"    this design: {part} of this value"] if part != "-" else []
         lines += [f"    {each}" for each in _remarks(result, [column], found)]
@@ -241,7 +246,7 @@ def compared_in_words(result: DesignResult, found: Verified) -> str:
     """Values of a chain to compare with, and which part of each the design has, on one line."""
     columns = _columns(result)
     values, parts = _shown_row(result, columns, found), _parts(result, columns, found)
-    compared = met(result.problem, found.values)
+    compared = _has_parts(result, found)
     texts = []
     for column, value, part in zip(columns, values, parts, strict=True):
         title = f"{column.title} " if len(columns) > 1 else ""

@@ -157,11 +157,16 @@ def shown_chains(result: DesignResult) -> dict[str, Verified]:
     """The chains of a figure, by name: the best one without a search, and the design.
 
     The first one is the best reference that meets the constraints, or the initial chain if there
-    is none or if it is better; it is omitted if the design is the same chain (`same_as`).
+    is none or if it is better; it is omitted if the design is the same chain (`same_as`).  A given
+    chain that violates the constraints is before it.
     """
     words, other = _without_search(result)
     own = {DESIGN: result.verified}
-    return own if _same(other, result.verified) else {words: other} | own
+    found = own if _same(other, result.verified) else {words: other} | own
+    given = compared_chains(result).get(GIVEN)
+    if given is None or other is given or met(result.problem, given.values):
+        return found
+    return {GIVEN: given} | found
 
 
 def same_as(result: DesignResult) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..designs.comparison import shown_chains
+from ..designs.comparison import GIVEN, shown_chains
 from ..designs.reference_chains import GIVEN_ROW
 from ..designs.verified import met
 from .colours import grey
@@ -41,7 +41,8 @@ def draw_compared_rows(result: DesignResult, across: Scale, up: Scale, axes: Axe
 
 def _rows(result: DesignResult) -> dict[str, Verified]:
     """Rows by name, without the design itself."""
-    rows = {"initial chain": result._initial}
+    shown = shown_chains(result)
+    rows = {} if GIVEN in shown else {"initial chain": result._initial}
     rows |= {name: found for name, found in result.references.items() if name == GIVEN_ROW}
-    compared = [*shown_chains(result).items()][:-1]
+    compared = [*shown.items()][:-1]
     return rows | dict(compared)

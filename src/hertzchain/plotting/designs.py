@@ -17,7 +17,7 @@ from matplotlib.gridspec import GridSpecBase
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FIRST_YIELD
 from ..collision import Array
-from ..designs.comparison import DESIGN, same_as, shown_chains
+from ..designs.comparison import DESIGN, GIVEN, same_as, shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
 from ..designs.exact_gradients import PEAK
 from ..designs.measures import BODY_PEAK, label_in, without_in_words
@@ -133,7 +133,9 @@ def _draw_curves(
     for each in curves:
         words = None if each.yields else _label(result, each.name, curves, axes)
         found = each.name == DESIGN
-        axes.plot(factor * each.x, each.y, "--" if each.yields else "-", label=words,
+        # Another chain to compare with is grey, too.
+        solid = ":" if each.name == GIVEN else "-"
+        axes.plot(factor * each.x, each.y, "--" if each.yields else solid, label=words,
                   color=COLOURS[2] if found else grey(axes, 0.55),
                   linewidth=1.0 if found else 2.0)  # fmt: skip
     if walled:

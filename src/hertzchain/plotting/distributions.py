@@ -42,7 +42,7 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
         axes.set_ylabel("number of chains")
         deviations = with_micro(found.scatter._in_words(found.chain.units))
-        set_title(axes, f"{chain_title(found.chain)}, {deviations}")
+        set_title(axes, f"{chain_title(found.chain)}, {deviations}".replace("+-", "±"))
         place_legend(axes, own=ax is None)
     return axes
 

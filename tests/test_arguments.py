@@ -2,6 +2,8 @@
 
 import dataclasses
 import inspect
+import subprocess
+import sys
 
 import pytest
 from test_input_validation import INTERNAL, RESULTS, error_of
@@ -269,6 +271,17 @@ def test_other_words_for_functions_are_explained():
             getattr(hc, word)
     with pytest.raises(AttributeError, match="xyzzy"):
         _ = hc.xyzzy
+
+
+def test_private_names_are_not_suggested_for_attributes():
+    # Python suggests names of `dir`, here in the text of an uncaught error.
+    code = "import hertzchain as hc; hc.simulate(hc.Chain.uniform(3)).peak_force"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "'Run' object has no attribute 'peak_force'" in done.stderr
+    assert "_wall_force" not in done.stderr
+    chain = hc.Chain.uniform(3)
+    for each in (chain, hc.bca(chain)):
+        assert not [name for name in dir(each) if name[:1] == "_" != name[1:2]]
 
 
 def test_completion_sees_the_fields_of_replace():

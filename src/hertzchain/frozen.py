@@ -15,12 +15,16 @@ Result = TypeVar("Result")
 
 
 class ShortDir:
-    """Omits attributes that only other modules of the package use from `dir` and completion."""
+    """Omits attributes that only other modules of the package use from `dir` and completion.
+
+    Private names are omitted, too: Python suggests names of `dir` for unknown attributes.
+    """
 
     _omitted: ClassVar[tuple[str, ...]] = ()
 
     def __dir__(self) -> list[str]:
-        return [name for name in super().__dir__() if name not in self._omitted]
+        names = (name for name in super().__dir__() if name not in self._omitted)
+        return [name for name in names if name[:1] != "_" or name[:2] == "__"]
 
 
 class Compared:

@@ -1390,6 +1390,11 @@ def test_invalid_input_is_explained_next_to_its_control(page):
     assert row.count() == 1
     rate = page.tab.locator("[id='c-chain.rate']")
     assert rate.get_attribute("aria-invalid") == "true"
+    # There are no files of a chain with an error.
+    page.tab.click("#open-share")
+    assert page.tab.locator("[data-export]:enabled").count() == 0
+    assert page.tab.text_content("#share-status") == str(error.value)
+    page.tab.keyboard.press("Escape")
     assert rate.get_attribute("aria-errormessage") == "problem"
     assert page.tab.evaluate("document.body.classList.contains('stale')")
     assert np.array_equal(page.array("run", "times"), before)

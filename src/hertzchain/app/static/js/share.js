@@ -60,9 +60,10 @@ export function fillDialogs() {
     $(button).onclick = () => /** @type {any} */ (dialog).showModal();
   }
   $("open-share").addEventListener("click", () => {
-    const description = own().beads.header?.description ?? "";
+    const description = own().beads.header?.description ?? "", { problem } = own();
     $("share-of").textContent = state.B ? `Chain ${state.active} of A and B: ${description}. The link, the page and the figure of the leading pulse contain both chains; the other files contain only this one.` : description;
-    tell("");
+    for (const each of document.querySelectorAll("[data-export]")) /** @type {any} */ (each).disabled = problem;
+    tell(problem, true);
   });
   for (const close of document.querySelectorAll("dialog .close")) close.addEventListener("click", () => close.closest("dialog")?.close());
 

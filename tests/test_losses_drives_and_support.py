@@ -173,7 +173,8 @@ def test_theories_take_masses_and_contacts_of_any_kind():
     ("build", "said"),
     [
         (lambda: CHAIN.replace(gaps=[0.0, -0.1, 0.0]), "gap of contact 2 is -0.1: .* at least 0"),
-        (lambda: CHAIN.replace(gaps=[0.0, 0.1]), "3 numbers for the gaps, one for each contact"),
+        (lambda: CHAIN.replace(gaps=[0.0, 0.1]), "of two beads, without strikers and walls, got 2"),
+        (lambda: CHAIN.struck_by().replace(gaps=[0.0]), "4 numbers .* strikers included, but"),
         (lambda: CHAIN.replace(masses=[1, 2, 3]), "4 numbers for the masses, .* each bead, got 3"),
         (lambda: CHAIN.replace(masses=[1, 2, 3, 0]), "mass of bead 4 is 0: .* above 0"),
         (lambda: CHAIN.replace(stiffness=[1, "k", 1]), "stiffness of contact 2 is 'k'"),

@@ -223,9 +223,9 @@ class ChainFields(Frozen):
             values = np.zeros(self.beads)
             values[: 0 if self._at_rest_by_default else max(1, self.strikers)] = 1.0
         self._set("velocities", _read_only(values))
-        gaps = np.zeros(self.beads - 1)
+        gaps, unit = np.zeros(self.beads - 1), self._unit("m")
         if "gaps" in self.given:
-            gaps = input_checks.checked_gaps(self.gaps, self.beads - 1, self._unit("m"))
+            gaps = input_checks.checked_gaps(self.gaps, len(gaps), unit, self.strikers)
         self._set("gaps", _read_only(gaps))
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)

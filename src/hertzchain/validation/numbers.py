@@ -230,15 +230,19 @@ def per_bead_array(
     unit: str | None = None,
     least: float | None = None,
     above: float | None = None,
+    counted: str = "",
 ) -> Array:
-    """Check values per bead or contact and return them as a read-only array."""
+    """Check values per bead or contact and return them as a read-only array.
+
+    ``counted`` states in words which places count.
+    """
     values = real_numbers(what, given, place, unit=unit)
     if values.ndim == 0:
         values = np.full(length, values)
     if values.shape != (length,):
         raise InputError(
             f"there must be {length} numbers for the {PLURALS.get(what, what)}, one for each "
-            f"{place}, "
+            f"{place}{counted}, "
             f"got {values.size if values.ndim == 1 else f'shape {values.shape}'}"
         )
     checked = values.copy()

@@ -37,6 +37,7 @@ def test_traces_show_signals_noise_and_notes():
     text, figures = parsed(data)
     assert figures == 3
     assert "ball 5 [mV]" in text
+    assert f"samples {len(times)} " in text
     for signal in data.shots[0].signals:
         assert signal.name in text
     assert "1 sample of wall in shot 1 is missing" in text

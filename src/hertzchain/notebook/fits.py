@@ -59,7 +59,7 @@ def traces_html(traces: Traces) -> str:
     step = float(np.median(np.diff(traces.shots[0].times)))
     shown = {
         "shots": f"{len(traces.shots)}",
-        "samples": f"{traces.samples}",
+        "samples": f"{len(traces.shots[0].times)}",
         "every": engineering(step, "s"),
     }
     return page(

@@ -1,5 +1,7 @@
 """One ball more or fewer in front of a cap; data are from SciPy."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -7,6 +9,8 @@ from scipy.integrate import solve_ivp
 import hertzchain as hc
 from hertzchain.chain.cap import Cap
 from hertzchain.fitting.ball_counts import ball_count, with_ball_fewer, with_ball_more
+from hertzchain.fitting.causes import Cause
+from hertzchain.fitting.diagnosis import _place_or_count
 
 S, B = "steel-52100", "brass"
 PAD = {"stiffness": "1 kN/mm", "exponent": 1}
@@ -100,3 +104,15 @@ def test_a_missing_ball_is_named_in_a_row_with_a_cap(true, given, words):
     (advice,) = found.advice
     assert advice.startswith(f"with {words}, chi2 falls from ")
     assert "and the model describes the data" in advice
+
+
+def test_a_number_of_balls_is_named_beside_a_place_that_does_not_describe_the_data():
+    def cause(what, chi2, describes=False, **kind):
+        found = SimpleNamespace(chi2=chi2, describes=describes)
+        return Cause(what, f"check {what}", found, 0, **kind)
+
+    place, count = cause("a place", 76e3, place=True), cause("one more", 81e3, count=True)
+    for best, other in ((place, count), (count, place)):
+        assert f"With {other.what} instead, chi2 is " in _place_or_count(best, [place, count])
+    assert not _place_or_count(place, [place, cause("one more", 3e5, count=True)])
+    assert not _place_or_count(cause("a place", 900.0, True, place=True), [count])

@@ -69,7 +69,7 @@ def test_the_start_of_a_drive_is_the_time_offset_of_traces_in_its_file(folder):
     assert result.values["stiffness"] == pytest.approx(1.0, abs=5.0 * result.errors["stiffness"])
     assert (
         "time_offset is fixed at -50 us, the start of the drive in the same file; add "
-        "'time_offset' to the free parameters to fit it"
+        "'time_offset' to the free parameters (also_free) to fit it"
     ) in result.summary(width=None)
 
 
@@ -137,7 +137,7 @@ def test_a_wrong_time_offset_is_named_with_its_estimate(folder):
         assert f"us instead of {'0 s' if shown == '0' else f'{shown} us'}" in result.advice[0]
         estimate = float(re.match(r"with time_offset = (\S+) ", result.advice[0])[1])
         assert estimate == pytest.approx(BEGIN, abs=0.3)
-        assert "add 'time_offset' to the free parameters, or correct it" in result.advice[0]
+        assert "to the free parameters (also_free), or correct it" in result.advice[0]
 
 
 def test_the_command_has_the_same_options(run, folder):

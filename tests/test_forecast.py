@@ -178,13 +178,14 @@ def test_command_prints_what_the_function_returns(run):
              "--interval", "1us", "--until", "600 us", "--free", "stiffness"]  # fmt: skip
     plan = hc.forecast(
         file, ["ball 6", "wall"], noise=0.1, interval="1 us", until="600 us",
-        free=["stiffness", "time_offset", "struck_by.velocity"],
+        free=["stiffness"], also_free=["time_offset", "struck_by.velocity"],
         priors={"struck_by.velocity": ("0.3 m/s", "1 mm/s")},
     )  # fmt: skip
     more = ["--also-free", "time_offset", "--also-free", "struck_by.velocity",
             "--prior", "struck_by.velocity=0.3 m/s,1 mm/s"]  # fmt: skip
     code, out, _ = run(*words, *more)
     assert code == 0
+    assert plan.names == ("stiffness", "time_offset", "struck_by.velocity")
     assert out.splitlines()[:4] == plan.summary(width=None).splitlines()[:4]
     code, out, _ = run(*words, *more, "--json")
     assert json.loads(out)["parameters"] == plan.as_dict()["parameters"]

@@ -146,7 +146,6 @@ def fit(
     import hertzchain
 
     from ..fitting.diagnosis import without_tested
-    from ..traces.traces import with_time_offset
 
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
@@ -155,10 +154,10 @@ def fit(
     noise: Any = noise_from(noises)
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels, noise=noise)
     traces = part_of(traces, begin, until)
-    known = time_offset_from(time_offset)
     settings: dict[str, Any] = {
-        "free": _free(with_time_offset(traces, known), files[-1], free, also_free),
-        "priors": priors_from(priors), "start": start_from(starting_values), "time_offset": known,
+        "free": list(free) or None, "also_free": list(also_free) or None,
+        "priors": priors_from(priors), "start": start_from(starting_values),
+        "time_offset": time_offset_from(time_offset),
     }  # fmt: skip
     postponed = PostponedDiagnosis()
     result = _first_fit(traces, files[-1], postponed, starts, settings)
@@ -307,22 +306,6 @@ def _summary(result: FitResult, laws: str | None) -> list[str]:
     """Lines of the summary, without the advice to compare loss laws if they are compared."""
     lines = result.summary(width=None).splitlines()
     return lines if laws is None else [line for line in lines if line != result._loss_note]
-
-
-def _free(
-    traces: Traces, chain: Path, free: tuple[str, ...], more: tuple[str, ...]
-) -> list[str] | None:
-    """Names of free parameters; `None` for those of the chain file."""
-    from ..fitting.parameters import default_names
-    from ..fitting.settings import load_experiment
-
-    if not more:
-        return list(free) or None
-    import hertzchain
-
-    data, chains, settings = load_experiment(traces, chain, hertzchain.load_traces)
-    usual = settings.free or default_names(data, chains[0])
-    return [*(free or usual), *more]
 
 
 def _tested(*, laws: bool, defects: bool) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -71,27 +70,11 @@ def forecast(
     noise: Any = noise_from(noises)
     step = seconds_from("--interval", interval)
     end = None if until is None else seconds_from("--until", until)
-    known = list(free) or None
-    if also_free:
-        known = [*(free or _usual(chain, sensors, noise, step, end)), *also_free]
     plan = hertzchain.forecast(
-        chain, [*sensors], noise=noise, interval=step, free=known, priors=priors_from(priors),
-        until=end,
+        chain, [*sensors], noise=noise, interval=step, free=list(free) or None,
+        also_free=list(also_free) or None, priors=priors_from(priors), until=end,
     )  # fmt: skip
     if as_json:
         show_json(plan.as_dict())
     else:
         click.echo(on_command_line(plan.summary(width=None)))
-
-
-def _usual(
-    file: Path, sensors: tuple[str, ...], noise: Any, interval: float, until: float | None
-) -> Sequence[str]:
-    """Parameters that are free if none is named."""
-    from ..fitting.forecast import planned_traces
-    from ..fitting.parameters import default_names
-    from ..fitting.settings import load_chain_and_settings
-
-    chain, settings = load_chain_and_settings(file)
-    planned = planned_traces(chain, list(sensors), noise, interval, until)
-    return settings.free or default_names(settings.timed(planned), chain)

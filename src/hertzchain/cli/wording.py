@@ -51,7 +51,8 @@ WORDINGS: Final = (
     (r"\(compare_losses\)", "(--laws all)"),
     (r"\(start=\{'([^']*)': \.\.\.\}\)", r"(--start '\1=...')"),
     (r"\bcompare_losses compares", "--laws all compares"),
-    (r"\badd '([^']*)' to the free parameters", r"add --also-free '\1'"),
+    (r"\badd '([^']*)' to the free parameters \(also_free\)", r"add --also-free '\1'"),
+    (r"(?<=to the free parameters) \(also_free\)", " (--also-free)"),
     (r"(?<=such as )\(0\.3, 0\.003\)", "0.3,0.003"),
     (r"(gain(?:\[[^]]*\])?) is not known: give it a prior(?: in( [^,]*))?, or a start such as "
      r"\{[^}]*\}",

@@ -12,7 +12,7 @@ import numpy as np
 from ..representation import listed, shown_signal
 from ..traces.amplitudes import CERTAIN, error_of_level, level_differs, level_of_model
 from ..traces.traces import Traces
-from .names import ENDS, Name
+from .names import ENDS, Name, to_free
 from .parameters import expanded
 from .sensor_effects import groups_of_effects
 
@@ -33,7 +33,7 @@ def advice_to_free(names: Sequence[Name], traces: Traces) -> str:
         shots.pop() if len(shots) == 1 else "*",
     )
     shown = [short] if set(expanded(short, traces)) == set(names) else names
-    return f"add {listed([repr(str(each)) for each in shown])} to the free parameters"
+    return to_free(shown)
 
 
 def unequal_levels(result: FitResult) -> dict[str, list[tuple[Name, str]]]:

@@ -17,8 +17,10 @@ from .exchanged_columns import MUCH_BETTER
 OUTSIDE: Final = 0.1
 
 
-def count_notes(run: Run, own: float, difference: Callable[[Run], float]) -> list[str]:
-    """A note if one ball more or fewer reduces the difference of a run from data to a half.
+def count_note(
+    run: Run, own: float, difference: Callable[[Run], float]
+) -> tuple[float, str] | None:
+    """The difference of a run from data, and a note, if one ball more or fewer halves it.
 
     The ball is behind the last sensor in a ball; ``own`` is the difference of the run itself.
     """
@@ -31,11 +33,11 @@ def count_notes(run: Run, own: float, difference: Callable[[Run], float]) -> lis
         except (InputError, SimulationError):
             continue
         if best < MUCH_BETTER * own:
-            return [
+            return best, (
                 f"with {words} ({ball_count(chain)}), the rms difference falls to "
                 f"{best / own:.0%} of its value: check the number of balls"
                 # Both delay later signals.
                 + " and, because a gap delays the signals behind it as well, look for gaps"
                 * (more > 0)
-            ]
-    return []
+            )
+    return None

@@ -41,6 +41,8 @@ class Cause:
     gross: bool = False
     # Whether columns are in another order.
     order: bool = False
+    # Whether a sensor is in another ball.
+    place: bool = False
     # Whether the row has another number of balls.
     count: bool = False
     # Whether a ball of the row, or a gap in it, is another one.

@@ -31,7 +31,7 @@ from .arrival_notes import (
     silent_notes,
     with_pulses,
 )
-from .ball_count_notes import OUTSIDE, count_notes
+from .ball_count_notes import OUTSIDE, count_note
 from .coarse_sampling import sampling_notes
 from .compared_part import check_reached, covered_part
 from .comparison_notes import level_notes, missing_notes, pulse_notes, unit_notes
@@ -39,7 +39,7 @@ from .exchanged_columns import MUCH_BETTER, exchange_notes
 from .first_pulses import shape_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
-from .misread_places import neighbours
+from .misread_places import other_balls
 from .misread_times import time_notes
 from .odd_sensors import odd_sensor_notes
 from .sensor_comparison import (
@@ -51,7 +51,13 @@ from .sensor_comparison import (
     pulse_widths,
 )
 from .sensors import sampled
-from .time_offsets import best_offset, difference_at_best_offset, explained_by_offset, offset_error
+from .time_offsets import (
+    SIMILAR,
+    best_offset,
+    difference_at_best_offset,
+    explained_by_offset,
+    offset_error,
+)
 from .trace_comparison import TraceComparison
 
 
@@ -146,34 +152,37 @@ def _crest_notes(
 def _count_notes(
     found: TraceComparison, run: Run, columns: Sequence[Array], grid: Array
 ) -> list[str]:
-    """A note on the number of balls or a place, if arrivals differ and the run is complete."""
+    """Notes on the number of balls or a place, if arrivals differ and the run is complete."""
     (shot,) = found.traces.shots
     delays = [abs(each.delay) for each in found.sensors if np.isfinite(each.delay)]
     late = max(delays, default=0.0) > OUTSIDE * min(pulse_widths(columns, grid))
     if run.times[0] != 0.0 or len(shot.signals) < 2 or not late:
         return []
     own = difference_at_best_offset(shot, columns, float(grid[1]))
-    return count_notes(run, own, lambda other: difference_at_best_offset(
+    count = count_note(run, own, lambda other: difference_at_best_offset(
         shot, _columns(other, shot)[1], float(grid[1])
-    )) or _place_notes(run, shot, own, float(grid[1]))  # fmt: skip
+    ))  # fmt: skip
+    causes = [each for each in (count, _place_note(run, shot, own, float(grid[1]))) if each]
+    limit = SIMILAR * min((best for best, _ in causes), default=0.0)
+    return [note for best, note in sorted(causes) if best < limit]
 
 
-def _place_notes(run: Run, shot: Shot, own: float, spacing: float) -> list[str]:
-    """A note if one sensor in a neighbouring ball reduces the difference of a run to a half."""
-    found = []
-    for name, place in neighbours({each.name: each.place for each in shot.signals}, [run.chain]):
+def _place_note(run: Run, shot: Shot, own: float, spacing: float) -> tuple[float, str] | None:
+    """The difference of a run, and a note, if one sensor in another ball halves it."""
+    found, places = [], {each.name: each.place for each in shot.signals}
+    for name, place in other_balls(places, [run.chain]):
         signals = (replace(s, place=place) if s.name == name else s for s in shot.signals)
         other = replace(shot, signals=tuple(signals))
         best = difference_at_best_offset(other, _columns(run, other)[1], spacing)
         found.append((best, name, place.name))
     best, name, there = min(found, default=(own, "", ""))
     if not best < MUCH_BETTER * own:
-        return []
-    return [
+        return None
+    return best, (
         f"if the sensor named {name} is in {there}, the rms difference falls to "
         f"{best / own:.0%} of its value: check the place of this sensor and the delay of its "
         "channel"
-    ]
+    )
 
 
 def _suspicious(

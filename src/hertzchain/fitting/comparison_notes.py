@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
 from ..collision import Array
-from ..representation import measure, shown_signal
+from ..representation import listed, measure, shown_signal
 from ..simulation.run import Run
 from ..traces.amplitudes import CERTAIN, error_of_level, level_differs, level_of_model
 from ..traces.signals import Shot
@@ -46,7 +46,7 @@ def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) ->
 
 def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) -> list[str]:
     """Notes on sensors whose level before the pulse is not that of the simulation."""
-    notes = []
+    notes, shifted = [], {}
     for signal, model, column in zip(shot.signals, signals, columns, strict=True):
         expected = level_of_model(signal, model)
         if not np.isfinite(expected):
@@ -57,10 +57,7 @@ def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) 
             scale, static = scale_of(signal, model), float(column[0])
             allowed = CERTAIN * error + 0.5 * abs(scale * static)
             if level_differs(signal, scale * expected, scale * static, allowed):
-                notes.append(
-                    f"before the pulse, {signal.name} is at {level}, to which the simulation is "
-                    f"shifted; a fit needs 'offset[{signal.name}]'"
-                )
+                shifted[signal.name] = level
             continue
         if level_differs(signal, expected, float(column[0]), CERTAIN * error):
             # The foot of the simulated pulse is not zero, but cannot be measured.
@@ -70,7 +67,23 @@ def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) 
                 f"{shown_signal(shown, signal.unit)}; the difference is part of the "
                 "residual: check the zero of the sensor"
             )
-    return notes
+    return [*_shift_notes(shifted, len(shot.signals)), *notes]
+
+
+def _shift_notes(levels: Mapping[str, str], sensors: int) -> list[str]:
+    """A note on uncalibrated sensors with an offset, to whose levels the simulation is shifted."""
+    if not levels:
+        return []
+    several = len(levels) > 1
+    names = ["*"] if several and len(levels) == sensors else levels
+    shown = [
+        f"{name} {'is ' * (k == 0)}at {level}" for k, (name, level) in enumerate(levels.items())
+    ]
+    return [
+        f"before the pulse, {listed(shown)}; the simulation is shifted to "
+        f"{'these levels' if several else 'this level'}; a fit needs "
+        f"{listed([repr(f'offset[{name}]') for name in names])}"
+    ]
 
 
 def missing_notes(sensors: Sequence[SensorComparison]) -> list[str]:

@@ -42,6 +42,8 @@ from .without_priors import conflict_notes_of
 
 # Largest number of causes that are named besides the best one.
 MAX_OTHERS: Final = 2
+# Below this multiple of chi-squared, a number of balls is named beside a place, and vice versa.
+SIMILAR: Final = 1.5
 # Columns may be wrong if a parameter is further from its prior, in standard deviations.
 FAR_FROM_PRIOR: Final = 10.0
 UNITS: Final = (
@@ -81,8 +83,8 @@ def diagnosed(result: FitResult, start: Mapping[str, float], refit: Refit) -> Fi
     if best in columns and (best.order or best.result.describes):
         return as_misread(result, best)
     best, others = _count_first(best, good)
-    others = others or _not_distinguished(best, good)
-    found = replace(result, advice=(f"{_sentence(result, best)}{others}", *levels))
+    others = others or _not_distinguished(best, good) or _place_or_count(best, causes)
+    found = replace(result, advice=(_sentence(result, best, others), *levels))
     return _without_consequences(found) if _is_certain(best) else found
 
 
@@ -193,6 +195,16 @@ def _not_distinguished(best: Cause, good: Sequence[Cause]) -> str:
         f"distinguish these causes: {each.advice}"
         for each in others[:MAX_OTHERS]
     )
+
+
+def _place_or_count(best: Cause, causes: Sequence[Cause]) -> str:
+    """Another number of balls that explains about as much as a wrong place, or vice versa."""
+    limit = 0.0 if best.result.describes else SIMILAR * best.result.chi2
+    others = [each for each in causes if each.count * best.place or each.place * best.count]
+    other = min(others, key=lambda each: each.result.chi2, default=best)
+    if other is best or other.result.chi2 >= limit:
+        return ""
+    return f". With {other.what} instead, chi2 is {rounded_chi2(other.result.chi2)}: {other.advice}"
 
 
 def first_misread(problem: Problem, start: Mapping[str, float], refit: Refit) -> Cause | None:
@@ -378,14 +390,14 @@ def _removed(result: FitResult, other: FitResult) -> float:
     return (result.chi2 - other.chi2) / excess if excess > 0.0 else 0.0
 
 
-def _sentence(result: FitResult, cause: Cause) -> str:
+def _sentence(result: FitResult, cause: Cause, others: str = "") -> str:
     then = f". The values are then{cause.values}" if cause.values else ""
     if result.goodness.accepted:
         possible = "" if then else " with possible values"
         return f"with {cause.what}, the model describes the data{possible}: {cause.advice}{then}"
     if cause.result.describes:
-        return f"{_improved(result, cause)}: {cause.advice}{then}"
-    text = f"{_improved(result, cause)}: {cause.advice}"
+        return f"{_improved(result, cause)}: {cause.advice}{then}{others}"
+    text = f"{_improved(result, cause)}: {cause.advice}{others}"
     return f"{text}. The model still does not describe the data. {considered(result)}"
 
 

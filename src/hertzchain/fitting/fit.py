@@ -69,6 +69,7 @@ def fit(
     chain: ChainLike,
     *,
     free: Sequence[str] | None = None,
+    also_free: Sequence[str] | None = None,
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
     time_offset: TimeOffset = None,
@@ -112,6 +113,9 @@ def fit(
         ``delay[...]``, ``lag``, ``highpass`` (1/time constant), ``crosstalk``.  Of the clock:
         ``time_offset``.  With several shots, ``NAME@2`` is of the second shot and ``NAME@*`` of
         each.
+    also_free : sequence of str, optional
+        Names that are free in addition to those of ``free``, of the chain file, or by default, such
+        as ``["gap[8-9]"]``.
     priors : mapping, optional
         Value and standard deviation by name, such as ``{"struck_by.velocity": (0.3, 0.003)}``.
     start : mapping, optional
@@ -162,8 +166,8 @@ def fit(
     """
     search = diagnosed if check_bool("diagnose", diagnose) else without_search
     return fit_experiment(
-        traces, chain, search, free=free, priors=priors, start=start, time_offset=time_offset,
-        begin=begin, until=until, starts=starts, progress=progress,
+        traces, chain, search, free=free, also_free=also_free, priors=priors, start=start,
+        time_offset=time_offset, begin=begin, until=until, starts=starts, progress=progress,
     )  # fmt: skip
 
 
@@ -174,9 +178,10 @@ def without_search(result: FitResult, start: Mapping[str, float], refit: Refit) 
 
 def fit_experiment(
     traces: Any, chain: Any, diagnose: Diagnosis, *, free: Sequence[str] | None = None,
-    priors: Priors | None = None, start: Mapping[str, float] | None = None,
-    time_offset: TimeOffset = None, begin: float | str | None = None,
-    until: float | str | None = None, starts: int = 4, progress: Progress | None = None,
+    also_free: Sequence[str] | None = None, priors: Priors | None = None,
+    start: Mapping[str, float] | None = None, time_offset: TimeOffset = None,
+    begin: float | str | None = None, until: float | str | None = None, starts: int = 4,
+    progress: Progress | None = None,
 ) -> FitResult:  # fmt: skip
     """Fit as `fit` does, and diagnose the result with a function."""
     data, chains, settings = load_experiment(traces, chain, load_traces)
@@ -184,7 +189,8 @@ def fit_experiment(
     if begin is not None or until is not None:
         data = data.between(begin, until)
     settings = for_sensors(settings, data).updated(free, priors, start, time_offset)
-    data, settings = with_clocks(with_time_offset(data, time_offset), settings)
+    data = with_time_offset(data, time_offset)
+    data, settings = with_clocks(data, settings.with_more(also_free, data, chains[0]))
     count = whole_number("starts", starts, least=1, most=6)
     problem = problem_of(data, chains, settings, progress)
     wrong = first_misread(problem, settings.start, fitted)

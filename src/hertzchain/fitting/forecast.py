@@ -239,6 +239,7 @@ def forecast(
     noise: float | str | Mapping[str, float | str],
     interval: float | str,
     free: Sequence[str] | None = None,
+    also_free: Sequence[str] | None = None,
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
     until: float | str | None = None,
@@ -273,7 +274,7 @@ def forecast(
         the name ``"*"`` has all others.
     interval : float or str
         Sampling interval [s].
-    free, priors : optional
+    free, also_free, priors : optional
         Free parameters and their priors, as for `hertzchain.fit`.
     start : mapping, optional
         Assumed values by name; by default those of the priors or the chain.
@@ -321,11 +322,11 @@ def forecast(
             "the noise of sensors is in SI units, but the chain is in scaled variables; build it "
             "with Chain.from_materials"
         )
-    traces = with_coupling(
-        planned_traces(chain, sensors, noise, interval, until), settings.coupling
-    )
+    planned = planned_traces(chain, sensors, noise, interval, until)
+    traces = with_coupling(planned, settings.coupling)
     with ignore_warnings():  # of other sensors in the chain file: a plan compares several sets
         settings = for_sensors(settings, traces).updated(free, priors, start)
+    settings = settings.with_more(also_free, settings.timed(traces), chain)
     traces, of_gains = recorded_in_volts(traces, settings)
     traces, settings = with_clocks(settings.timed(traces), settings)
     if traces.shots[0].clock is not None:

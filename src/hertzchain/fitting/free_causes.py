@@ -16,7 +16,7 @@ from .causes import Cause, Refit, is_free, try_further
 from .law_parameters import names_of_losses
 from .loss_laws import typical_law
 from .misread_places import OtherPlace, best_other_place
-from .names import TIME_OFFSET, Name
+from .names import TIME_OFFSET, Name, to_free
 from .problem import Problem
 from .result import FitResult
 from .sensor_effects import gained_by, groups_of_effects
@@ -36,7 +36,7 @@ LOSS: Final = "viscoelastic"
 
 
 def other_places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fit with one sensor in a neighbouring ball, if this agrees better with the chain."""
+    """The fit with one sensor in another ball, if this agrees better with the chain."""
     found = best_other_place(result.model)
     if found is None:
         return
@@ -48,7 +48,7 @@ def other_places(result: FitResult, start: Mapping[str, float], refit: Refit) ->
         f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
         "check the number in the name of this column, and how balls and strikers are counted"
         f"{_other_count(found, result, other, start, refit)}",
-        other, 0,
+        other, 0, place=True,
     )  # fmt: skip
 
 
@@ -64,7 +64,10 @@ def _other_count(
     # The time offset makes the distance of the first sensor from the impact unimportant.
     if len(order) < 2 or not any(each.key == TIME_OFFSET for each in result.model.names):
         return ""
-    further = found.place.number > places[found.name].number
+    moved = found.place.number - places[found.name].number
+    if abs(moved) != 1:
+        return ""
+    further = moved > 0
     if found.name == order[0]:
         missing, first, second = further, *order[:2]
     elif found.name == order[-1]:
@@ -165,6 +168,6 @@ def with_losses(result: FitResult, _: Mapping[str, float], refit: Refit) -> Iter
     if cause is not None:
         yield replace(cause, what=f"a {LOSS} loss, {cause.what}", advice=(
             f"add a loss to the chain, such as loss = {{law = '{LOSS}', time = "
-            f"'{1e6 * cause.result.values[str(name)]:.3g} us'}}, and {str(name)!r} to the free "
-            "parameters; compare_losses compares other laws"
+            f"'{1e6 * cause.result.values[str(name)]:.3g} us'}}, and "
+            f"{to_free([name])}; compare_losses compares other laws"
         ))  # fmt: skip

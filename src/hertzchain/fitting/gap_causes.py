@@ -12,7 +12,7 @@ from .end_gaps import end_gaps
 from .flat_valleys import GAPS
 from .free_causes import PROMISING
 from .least_squares import GOOD
-from .names import Name
+from .names import Name, to_free
 from .problem import Problem
 from .result import FitResult
 from .rough_gaps import (
@@ -124,7 +124,7 @@ def cause_of(gap: RoughGap, found: FitResult) -> Cause:
             "not determine its size"
         )
     else:
-        advice += f", or add {name!r} to the free parameters"
+        advice += f", or {to_free([name])}"
     return Cause(what, advice, found, 1, row=True, names=(gap.name,))
 
 

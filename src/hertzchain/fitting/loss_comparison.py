@@ -215,6 +215,7 @@ def compare_losses(
     *,
     laws: Sequence[str | Loss] | None = None,
     free: Sequence[str] | None = None,
+    also_free: Sequence[str] | None = None,
     priors: Priors | None = None,
     start: Mapping[str, float] | None = None,
     time_offset: TimeOffset = None,
@@ -230,12 +231,12 @@ def compare_losses(
 
     Parameters
     ----------
-    traces, chain, free, priors, start, time_offset
+    traces, chain, free, also_free, priors, start, time_offset
         As for `hertzchain.fit`.  Each law is assigned to all contacts of beads, and to those walls
         that have no law of their own; a law given for a wall, such as ``Elastic()`` for a load
         cell, is kept in all fits, and springs stay elastic under `ElasticPlastic`.  Names of losses
-        in ``free`` are replaced by the parameters of the law, except those of a wall with its own
-        law, such as ``right_wall.loss.time``.
+        in ``free`` and ``also_free`` are replaced by the parameters of the law, except those of a
+        wall with its own law, such as ``right_wall.loss.time``.
     laws : sequence of str or Loss, optional
         Names of laws, or laws with the values from which to start.  By default, all laws except
         `ElasticPlastic`.
@@ -262,7 +263,8 @@ def compare_losses(
     """
     data, chains, settings = load_experiment(traces, chain, load_traces)
     settings = for_sensors(settings, data).updated(free, priors, start, time_offset)
-    data, settings = with_clocks(with_time_offset(data, time_offset), settings)
+    data = with_time_offset(data, time_offset)
+    data, settings = with_clocks(data, settings.with_more(also_free, data, chains[0]))
     callback("progress", progress)
     wanted = DEFAULT_LAWS if laws is None else check_list("laws", laws, "names of laws")
     if not wanted:

@@ -1,4 +1,4 @@
-"""A sensor that may be one ball away from the place that its column names."""
+"""A sensor that may be in another ball than its column names."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class OtherPlace:
 
 
 def best_other_place(model: Model) -> OtherPlace | None:
-    """The neighbouring place of one sensor that agrees best with the nominal chain."""
+    """The other ball of one sensor that agrees best with the nominal chain."""
     signals = {signal.name: signal.place for _, signal in model.traces}
-    others = list(neighbours(signals, model.chains))
+    others = list(other_balls(signals, model.chains))
     places = [*signals.values(), *dict.fromkeys(place for _, place in others)]
     simulator = Simulator(places, model.simulator.count_one)
     least, found = BETTER * rms_difference(model), None
@@ -44,13 +44,14 @@ def best_other_place(model: Model) -> OtherPlace | None:
     return found
 
 
-def neighbours(signals: dict[str, Place], chains: Sequence[Chain]) -> Iterator[tuple[str, Place]]:
-    """Names of sensors, each with a neighbouring place that the chains have and no other sensor."""
+def other_balls(signals: dict[str, Place], chains: Sequence[Chain]) -> Iterator[tuple[str, Place]]:
+    """Names of sensors, each with another place that the chains have and no other sensor."""
     for name, place in signals.items():
         if place.body not in ("ball", "bead"):
             continue
         rest = [each for each in signals.values() if each != place]
-        for number in (place.number - 1, place.number + 1):
+        numbers = range(1, min(chain.beads for chain in chains) + 1)
+        for number in (each for each in numbers if each != place.number):
             try:
                 other = place_named(place.name.replace(str(place.number), str(number)))
                 for chain in chains:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 from ..errors import InputError, short_repr
+from ..representation import listed
 
 # Walls, whose names begin those of their parameters.
 ENDS: Final = ("left_wall", "right_wall")
@@ -58,3 +60,8 @@ def is_time_offset(text: object) -> bool:
     """Whether a name is that of the time offset of all shots or of one."""
     found = parse_name(text)
     return found.key == TIME_OFFSET and not found.item
+
+
+def to_free(names: Sequence[Name | str]) -> str:
+    """The advice to free further parameters."""
+    return f"add {listed([repr(str(each)) for each in names])} to the free parameters (also_free)"

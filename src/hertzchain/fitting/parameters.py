@@ -23,7 +23,7 @@ from .chain_parameters import (
 )
 from .gain_units import gains_in_si
 from .law_parameters import loss_parameters
-from .names import Name, parse_name
+from .names import Name, parse_name, to_free
 from .sensors import COMMON_ONLY, SENSOR_KINDS
 
 TIME: Final = Kind("s", typical=1e-6, step=1e-2)
@@ -153,8 +153,8 @@ def _check_gains(names: Collection[Name], traces: Traces) -> None:
     if fixed:
         these, gains = ("is", "its gain") if len(fixed) == 1 else ("are", "their gains")
         raise InputError(
-            f"{listed([*fixed])} {these} in V without calibration, so {gains} must be free: add "
-            "'gain[*]' to the free parameters"
+            f"{listed([*fixed])} {these} in V without calibration, so {gains} must be free: "
+            f"{to_free(['gain[*]'])}"
         )
 
 
@@ -254,8 +254,8 @@ def _checked_priors(
             if name not in names:
                 kind_and_value(name, traces, chains)  # unknown names are reported as such
                 raise InputError(
-                    f"{str(name)!r} has a prior but is not free: add {str(name)!r} to the free "
-                    f"parameters, or remove the prior; free are {', '.join(map(str, names))}"
+                    f"{str(name)!r} has a prior but is not free: {to_free([name])}, or "
+                    f"remove the prior; free are {', '.join(map(str, names))}"
                 )
         if not asked:
             continue

@@ -20,7 +20,7 @@ from .ball_counts import ball_count
 from .causes import CLEAR, Cause, Refit
 from .flat_valleys import GAPS as OF_GAPS
 from .model import Model, make_model
-from .names import Name
+from .names import Name, to_free
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .result import FitResult
@@ -233,7 +233,7 @@ def _gaps(base: Base) -> list[Trial]:
         trial = _of_size(base, name, ball, sizes) if base.first <= ball < base.last else None
         if trial is not None:
             advice = f"check for a gap between {contact_words(name, base.fit.chain)}"
-            trials.append(replace(trial, advice=f"{advice}, or {_to_free(name)}"))
+            trials.append(replace(trial, advice=f"{advice}, or {to_free([name])}"))
     return trials
 
 
@@ -247,7 +247,7 @@ def _balls(base: Base) -> list[Trial]:
             sizes = [radius * (1.0 + sign * part) for part in RADII]
             trial = _of_size(base, name, ball, sizes, radius)
             if trial is not None:
-                advice = f"check the size of ball {ball}, or {_to_free(name)}"
+                advice = f"check the size of ball {ball}, or {to_free([name])}"
                 trials.append(replace(trial, advice=advice))
         trials += _masses(base, ball)
         trials += [] if base.wide else _materials(base, ball)
@@ -261,7 +261,7 @@ def _masses(base: Base, ball: int) -> Iterator[Trial]:
     for sign, parts in ((-1.0, LIGHTER), (1.0, HEAVIER)):
         trial = _of_size(base, name, ball, [mass * (1.0 + sign * part) for part in parts], mass)
         if trial is not None:
-            advice = f"check the mass of ball {ball}, or {_to_free(name)}"
+            advice = f"check the mass of ball {ball}, or {to_free([name])}"
             yield replace(trial, advice=advice)
 
 
@@ -330,10 +330,6 @@ def _starting(model: Model, starts: Mapping[Name, float]) -> Problem:
     """The problem of a model whose parameters start from these values."""
     parameters = tuple(replace(each, start=starts[each.name]) for each in model.parameters)
     return Problem(replace(model, parameters=parameters))
-
-
-def _to_free(name: Name) -> str:
-    return f"add {str(name)!r} to the free parameters"
 
 
 def _fitted(trial: Trial, refit: Refit) -> Cause | None:

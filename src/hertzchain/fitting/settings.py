@@ -24,8 +24,9 @@ from ..traces.places import place_named
 from ..traces.signals import Clock
 from ..traces.traces import Traces, with_coupling, with_time_offset
 from ..validation.numbers import number
-from ..validation.objects import file_path, shown_path
+from ..validation.objects import check_list, file_path, shown_path
 from .names import is_time_offset, parse_name
+from .parameters import default_names
 from .sensors import SENSOR_KINDS
 
 # Reason of a time offset, in words.
@@ -101,6 +102,14 @@ class Settings:
             start={**own, **(start or {})},
             optional=frozenset(() if free is None else {*self.priors, *self.start} - given),
         )
+
+    def with_more(self, more: Sequence[str] | None, traces: Traces, chain: Chain) -> Settings:
+        """Settings with further free parameters."""
+        if more is None:
+            return self
+        further = check_list("also_free", more, "names")
+        usual = default_names(traces, chain) if self.free is None else self.free
+        return replace(self, free=[*check_list("free", usual, "names"), *further])
 
     def timed(self, traces: Traces) -> Traces:
         """Traces with the given time offset, or with that of a drive in the same file."""

@@ -14,7 +14,7 @@ from ..units import STANDARD_GRAVITY
 from .causes import Cause, Refit, is_free, try_further
 from .chain_parameters import with_motion
 from .model import Model, make_model
-from .names import Name
+from .names import Name, to_free
 from .result import FitResult
 
 # Standard errors by which a fitted component of gravity may exceed standard gravity.
@@ -28,8 +28,7 @@ GRAVITY: Final = (
     f"ball (gravity = {STANDARD_GRAVITY:.3g} if the row is vertical and struck from above)"
 )
 PRECOMPRESSION: Final = (
-    "if the row is compressed, give precompression in the chain, and add 'precompression' to the "
-    "free parameters"
+    f"if the row is compressed, give precompression in the chain, and {to_free(['precompression'])}"
 )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..collision import Array
 from .model import Model
-from .names import Name
+from .names import Name, to_free
 from .parameters import Parameter, kind_and_value
 from .problem import Problem
 from .sensors import SENSOR_KINDS
@@ -72,8 +72,8 @@ class Effect:
         factor, unit = FACTORS[self.name]
         if self.present:
             return (
-                f"the residuals show a {self.name}, which moves {self.moved}: add {self.name!r} to "
-                "the free parameters"
+                f"the residuals show a {self.name}, which moves {self.moved}: "
+                f"{to_free([self.name])}"
             )
         if self.shift < MOVES:
             return ""

@@ -6,8 +6,8 @@ Two comments of a notebook configure them, and do not appear in it:
 default those of the first figure.
 """
 
+import copy
 import os
-import pickle
 import re
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,7 @@ def scrape(block: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any])
 def _save_panel(figure: Any, panel: int, path: Path) -> None:
     """Save one of the axes of a figure without letters, which thumbnails are too small for."""
     # Later blocks of the notebook may use the figure.
-    figure = pickle.loads(pickle.dumps(figure))
+    figure = copy.deepcopy(figure)
     axes = figure.axes[panel]
     for each in figure.axes:
         each.set_visible(each is axes)

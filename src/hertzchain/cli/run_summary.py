@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..chain.yield_pressure import note_on_soft_balls
 from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import (
     contacts_without_strength,
@@ -105,6 +104,8 @@ def run_as_dict(
 
 def _notes(run: Run, yielding: WithYield | None) -> list[str]:
     """Remarks on the run, and on balls that are harder than annealed bars."""
+    from ..chain.yield_pressure import note_on_soft_balls
+
     soft = note_on_soft_balls(run.chain, yielding=yielding is not None)
     return [*map(on_command_line, run.notes), *([soft] if soft else [])]
 

@@ -192,16 +192,32 @@ def test_the_velocity_at_a_free_end_has_a_range(run):
     assert f"  last bead: {low} to {high} m/s for yield" in run("simulate", *free).stdout
 
 
-@pytest.mark.parametrize(
-    "command", [("scatter", "--scatter", "1%", "--chains", "4"), ("sensitivity",)]
-)
-def test_values_of_many_chains_share_the_assumption(run, command):
-    name, *options = command
+def test_sensitivities_state_the_assumption(run):
     note = "is assumed to be 1.6 times the yield strength; up to 2.8 times is possible"
-    out = run(name, *ROW, "elastic-plastic", *options).stdout
+    out = run("sensitivity", *ROW, "elastic-plastic").stdout
     assert note in out
     assert "can change their order (--loss 'elastic-plastic, factor=2.8')" in out
-    assert note not in run(name, *ROW, FULL, *options).stdout
+    assert note not in run("sensitivity", *ROW, FULL).stdout
+
+
+def test_random_chains_are_simulated_at_both_yield_pressures(run):
+    command = ("scatter", "--scatter", "1%", "--chains", "4", *ROW)
+    low, high = (
+        hc.distribution(row(loss=hc.ElasticPlastic(factor=factor)), "wall_force.peak",
+                        hc.Scatter(0.01, samples=4), seed=1)
+        for factor in (1.6, 2.8)
+    )  # fmt: skip
+    assert high.nominal > 1.1 * low.nominal
+    found = json.loads(run(*command, "elastic-plastic", "--json").stdout)
+    other = found["at_fully_plastic_pressure"]
+    for given, expected in ((found, low), (other, high)):
+        values = [given["nominal"], given["mean"], given["percentiles"]["95"]]
+        assert values == [expected.nominal, expected.mean, expected.percentile(95)]
+    lines = run(*command, "elastic-plastic").stdout.splitlines()
+    assert lines[2].endswith("yield 2.8 Y")
+    assert re.search(rf"nominal +{low.nominal:.1f}\d* N +{high.nominal:.1f}\d* N$", lines[3])
+    assert lines[-1].startswith("note: Y: yield strength")
+    assert "2.8 Y" not in run(*command, FULL).stdout
 
 
 def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -152,20 +153,25 @@ def scatter(
         part, grade, samples=count, beads=some, gaps=apart, speed=speed, young=young,
         yield_strength=strength,
     )  # fmt: skip
-    with progress_bar("chains simulated") as progress:
-        found = hertzchain.distribution(
-            chain, name, deviations, until=end, seed=seed, progress=progress
-        )
+
+    def simulated(row: Chain, words: str = "") -> Distribution:
+        with progress_bar(f"chains simulated{words}") as progress:
+            return hertzchain.distribution(
+                row, name, deviations, until=end, seed=seed, progress=progress
+            )
+
+    found = simulated(chain)
+    harder = None if as_csv else _at_fully_plastic_pressure(chain, found, simulated)
     if plot is not None:
         save_figure(found.plot(), plot)
     if as_json:
-        show_json(_document(found))
+        show_json(_document(found, harder))
     elif as_csv:
         unit = "" if found.unit == "1" else f" [{found.unit}]"
         click.echo(f"{found.quantity}{unit}")
         click.echo("\n".join(map(repr, found.values.tolist())))
     else:
-        show_text(_table(found))
+        show_text(_table(found, harder))
     return FAILED if found.failed else DONE
 
 
@@ -185,7 +191,23 @@ def _of_materials(option: str, texts: tuple[str, ...]) -> float | dict[str, floa
     return None if given is None else spread_from(option, given)
 
 
-def _document(found: Distribution) -> dict[str, Any]:
+def _at_fully_plastic_pressure(
+    chain: Chain, found: Distribution, simulated: Callable[[Chain, str], Distribution]
+) -> Distribution | None:
+    """The same random chains at the largest possible yield pressure, if this changes values."""
+    import numpy as np
+
+    from ..chain.materials import FULLY_PLASTIC
+    from ..chain.yield_pressure import assumes_pressure, with_factor
+
+    if not assumes_pressure(chain):
+        return None
+    other = simulated(with_factor(chain, FULLY_PLASTIC), " at the larger yield pressure")
+    same = found.nominal == other.nominal and np.array_equal(found.values, other.values)
+    return None if same else other
+
+
+def _document(found: Distribution, harder: Distribution | None) -> dict[str, Any]:
     from ..validation.json_types import finite
 
     causes = "radius", "grade", "gaps", "speed", "young", "yield_strength"
@@ -194,51 +216,77 @@ def _document(found: Distribution) -> dict[str, Any]:
         "scatter": given,
         "quantity": found.quantity,
         "unit": found.unit,
-        "nominal": found.nominal,
+        **_statistics(found),
+        "at_fully_plastic_pressure": None if harder is None else _statistics(harder),
         "nominal_with_yielding_contacts": None if isnan(found.yielding) else found.yielding,
         "yielding_overlap_ratio": finite(found.yielding_overlap_ratio),
         "yielding_within_range": None if isnan(found.yielding) else not found._with_yield.outside,
+        "reason": found.reason,
+        "outside_range": found.outside_range,
+        "values": found.values.tolist(),
+        "notes": _notes(found, harder),
+    }
+
+
+def _statistics(found: Distribution) -> dict[str, Any]:
+    return {
+        "nominal": found.nominal,
         "mean": found.mean,
         "standard_deviation": found.standard_deviation,
         "percentiles": {str(percent): found.percentile(percent) for percent in PERCENTILES},
         "failed": found.failed,
-        "reason": found.reason,
-        "outside_range": found.outside_range,
-        "values": found.values.tolist(),
-        "notes": _notes(found),
     }
 
 
-def _table(found: Distribution) -> str:
-    """Lines with values, each also relative to the nominal chain."""
-    from ..representation import usual_unit, with_decimals
-
+def _rows(found: Distribution) -> dict[str, float]:
+    """Values of a distribution, by the names of their rows."""
     rows = {"nominal": found.nominal, "mean": found.mean,
             "standard deviation": found.standard_deviation}  # fmt: skip
-    rows |= {f"{percent}% are below": found.percentile(percent) for percent in PERCENTILES}
-    good = len(found.values)
+    return rows | {f"{percent}% are below": found.percentile(percent) for percent in PERCENTILES}
+
+
+def _column(found: Distribution) -> list[str]:
+    """The same values in words."""
+    from ..representation import usual_unit, with_decimals
+
+    factor, unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
+    values = [factor * value for value in _rows(found).values()]
+    shown = with_decimals(values, factor * found.standard_deviation)
+    return [f"{value} {unit}".rstrip() for value in shown]
+
+
+def _table(found: Distribution, harder: Distribution | None) -> str:
+    """Lines with values, each also relative to the nominal chain."""
+    from ..designs.yield_range import YIELD_HIGH, YIELD_LOW
+    from ..representation import with_decimals
+
+    rows, good = _rows(found), len(found.values)
     lines = [found.chain.description]
     lines.append(f"{found.quantity}: {good} of {good + found.failed} random chains")
-    factor, unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
-    shown = with_decimals(
-        [factor * value for value in rows.values()], factor * found.standard_deviation
-    )
-    shown = [f"{value} {unit}".rstrip() for value in shown]
-    parts = [""] * len(rows)
+    columns = [_column(found), [""] * len(rows)]
     if found.nominal:
         relative = [100.0 * value / found.nominal for value in rows.values()]
         spread = 100.0 * found.standard_deviation / abs(found.nominal)
-        parts = ["", *(f"{part}%" for part in with_decimals(relative, spread)[1:])]
-    wide, long = (max(map(len, column)) for column in (shown, parts))
-    for name, value, part in zip(rows, shown, parts, strict=True):
-        lines.append(f"  {name:18}  {value:>{wide}}  {part:>{long}}".rstrip())
-    return "\n".join([*lines, *(f"note: {note}" for note in _notes(found))])
+        columns[1] = ["", *(f"{part}%" for part in with_decimals(relative, spread)[1:])]
+    names = [*rows]
+    if harder is not None:
+        columns.append(_column(harder))
+        names.insert(0, "")
+        headings = YIELD_LOW, "", YIELD_HIGH
+        for heading, column in zip(headings, columns, strict=True):
+            column.insert(0, heading)
+    widths = [max(map(len, column)) for column in columns]
+    for name, *cells in zip(names, *columns, strict=True):
+        texts = (f"{cell:>{width}}" for cell, width in zip(cells, widths, strict=True))
+        lines.append(f"  {name:18}  {'  '.join(texts)}".rstrip())
+    return "\n".join([*lines, *(f"note: {note}" for note in _notes(found, harder))])
 
 
-def _notes(found: Distribution) -> list[str]:
+def _notes(found: Distribution, harder: Distribution | None) -> list[str]:
     """Remarks on the values, for the table and for JSON."""
     from ..chain.yield_pressure import assumed_for_all, note_on_soft_balls
     from ..designs.measures import measure_of, notes_on
+    from ..designs.yield_range import LEGEND
     from ..representation import counted
 
     notes = []
@@ -249,5 +297,6 @@ def _notes(found: Distribution) -> list[str]:
         notes.append(f"{few} (--chains)")
     notes += notes_on(found.chain, [measure_of(found.chain, found.quantity)])
     soft = note_on_soft_balls(found.chain, yielding=bool(found._yielding_note))
-    materials = *found._stiff_walls, found._yielding_note, assumed_for_all(found.chain), soft
+    pressure = assumed_for_all(found.chain) if harder is None else LEGEND
+    materials = *found._stiff_walls, found._yielding_note, pressure, soft
     return notes + [on_command_line(note) for note in materials if note]

@@ -215,7 +215,7 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
         assert values == [expected.nominal, expected.mean, expected.percentile(95)]
     lines = run(*command, "elastic-plastic").stdout.splitlines()
     assert lines[2].endswith("yield 2.8 Y")
-    assert re.search(rf"nominal +{low.nominal:.1f}\d* N +{high.nominal:.1f}\d* N$", lines[3])
+    assert lines[3].split() == ["nominal", f"{low.nominal:.2f}", "N", f"{high.nominal:.2f}", "N"]
     assert lines[-1].startswith("note: Y: yield strength")
     assert "2.8 Y" not in run(*command, FULL).stdout
 

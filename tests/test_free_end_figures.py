@@ -49,10 +49,13 @@ def test_the_legend_has_the_symbols_of_the_free_ends():
     axes = hc.plot_pulses([hc.propagate(CHAIN)])
     assert entry(axes, "last bead (free end)").get_marker() == "o"
     axes = hc.plot_pulses([hc.propagate(CHAIN), hc.local_rate(CHAIN), hc.modified_bca(CHAIN)])
+    first = axes.lines[0]
     both = entry(axes, "last bead (free end)").get_marker()
     # A circle on the left, the five corners of a square on the right; the modified BCA neglects
     # the free end.
     assert np.sum(both.vertices[:, 0] > 0.0) == 5
+    (end,) = [line for line in axes.lines if np.size(line.get_xdata()) == 1][2:]
+    assert (end.get_markerfacecolor(), end.get_markersize()) == ("none", first.get_markersize())
     plt.close("all")
 
 

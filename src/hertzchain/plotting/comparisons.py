@@ -14,7 +14,7 @@ from ..pulse.free_end import ends_free
 from ..pulse.quantities import COLUMN_QUANTITIES
 from .colours import curve_colour, grey
 from .differences import loss_in_words, words_of_chains, words_of_loss
-from .free_ends import draw_end_outside_limits, include_ends, label_free_end
+from .free_ends import draw_end_outside_limits, end_style, include_ends, label_free_end
 from .labels import distinguish
 from .legends import place_legend
 from .shared_axes import label_below
@@ -46,7 +46,8 @@ def plot_comparison(
                 label=name.replace("_", " "),
             )  # fmt: skip
             if free:
-                ends.append((int(beads[-1]), float(shown[-1]), marker, curve_colour(axes, i)))
+                style, colour = end_style(marker), curve_colour(axes, i)
+                ends.append((int(beads[-1]), float(shown[-1]), style, colour))
         # No line joins a free end, which moves unlike the other beads.
         include_ends(axes, [draw_end_outside_limits(axes, *end) for end in ends], linear=not log)
         if ends:

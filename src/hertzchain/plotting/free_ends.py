@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -78,6 +78,11 @@ def end_style(marker: str, symbol: int = 0) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def open_style(marker: str) -> dict[str, Any]:
+    """Symbol of a method that neglects the free end, as arguments of `Axes.plot`."""
+    return {"marker": marker, "linestyle": "none", "markerfacecolor": "none", "zorder": 2.51}
+
+
 def row_style(markers: Sequence[str]) -> dict[str, Any]:
     """Several symbols beside each other, as arguments of `Axes.plot`."""
     size = rcParams["lines.markersize"] * (1.0 + DISTANCE * (len(markers) - 1))
@@ -96,11 +101,11 @@ def _row(markers: Sequence[str]) -> Path:
 
 
 def draw_end_outside_limits(
-    axes: Axes, bead: int, value: float, marker: str, colour: Any
+    axes: Axes, bead: int, value: float, style: Mapping[str, Any], colour: Any
 ) -> tuple[int, float]:
-    """A filled symbol of a difference [%], which does not yet determine the limits."""
+    """A symbol of a difference [%], which does not yet determine the limits."""
     limits = axes.dataLim.get_points().copy()
-    axes.plot([bead], [value], color=colour, **end_style(marker))
+    axes.plot([bead], [value], color=colour, **style)
     axes.dataLim.set_points(limits)
     return bead, value
 

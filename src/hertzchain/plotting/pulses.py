@@ -30,6 +30,7 @@ from .free_ends import (
     end_style,
     include_ends,
     label_free_end,
+    open_style,
     unlist_hidden_ends,
 )
 from .labels import distinguish, numbered
@@ -93,8 +94,9 @@ def plot_pulses(
     of them share.  Pulses without a difference are numbered.  For several chains and
     several methods, the colour of a curve shows its chain, its line and symbol show its method,
     and the legend has one entry for each of these.  If the last bead leaves a free end at a larger
-    velocity, all values of this bead have filled symbols without a line; where their residuals
-    would hide those of the other beads, they are given as text.  In chains of alternating beads,
+    velocity, all values of this bead have symbols without a line: filled ones, or open ones of
+    methods without this jump.  Where their residuals would hide those of the other beads, they
+    are given as text.  In chains of alternating beads,
     heavy beads have filled symbols and light ones open symbols.  A shaded band shows the spread
     of a pulse by `disorder`: one standard deviation over random chains.  If the values of the first
     and the last bead would make this band thin, a linear axis shows those of the other beads.
@@ -290,10 +292,10 @@ def _axes(ax: Axes | Sequence[Axes] | None, *, residuals: bool) -> tuple[Axes, A
 
 
 def _draw_free_end(axes: Axes, pulse: Pulse, quantity: str, look: Look) -> None:
-    """A filled symbol, which no line joins to the other beads."""
+    """A symbol, which no line joins to the other beads; filled if the pulse jumps there."""
     values, style = pulse._predicted(quantity), end_style(look.end, look.place)
     if not ends_free(pulse, quantity):
-        style["label"] = CONTINUED
+        style = {**open_style(look.marker), "label": CONTINUED}
     axes.plot([len(values)], values[-1:], color=curve_colour(axes, look.colour), **style)
 
 
@@ -385,7 +387,8 @@ def _draw_residuals(
         _draw(axes, pulse, quantity, shown[:-1] if free else shown, look, None)
         if free:
             colour = curve_colour(axes, look.colour)
-            ends.append(draw_end_outside_limits(axes, len(shown), shown[-1], look.end, colour))
+            style = end_style(look.end) if ends_free(pulse, quantity) else open_style(look.marker)
+            ends.append(draw_end_outside_limits(axes, len(shown), shown[-1], style, colour))
         if not least:
             draw_spread_of_difference(
                 axes, pulse, quantity, shown, curve_colour(axes, look.colour), free=free

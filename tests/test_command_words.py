@@ -315,6 +315,7 @@ def test_messages_of_functions_are_clear_sentences():
     chain = hc.Chain.uniform(5)
     for call, said in (
         (lambda: chain.with_scatter(1, relative=1), "got 1; for a scatter of 1%, give '1%'$"),
+        (lambda: chain.with_scatter(1, relative="5"), "'5' is text; give '5%' for a percentage"),
         (lambda: chain.with_scatter(1), "^give either relative, such as 0.01, or grade, such as"),
         (lambda: hc.propagate(chain, rtol=1), "at most 1e-05, got 1$"),
         (lambda: hc.propagate(chain, rtol=1e-12), "got 1e-12; for smaller errors use hertzchain.s"),

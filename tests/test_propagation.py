@@ -281,6 +281,8 @@ def test_bad_threads(threads):
         (7, "a list of chains or rows of radii, got 7"),
         ([1, 2, 3], r"got \[1, 2, 3\]; put a single row of radii in a list"),
         (np.ones(3), "put a single row of radii in a list"),
+        ([hc.Chain.uniform(3), 3], "item 2 of chains must be a chain or a row of radii, got 3"),
+        (["one"], "item 1 of chains must be a chain or a row of radii, got 'one'"),
     ],
 )
 def test_invalid_ensembles(chains, said):

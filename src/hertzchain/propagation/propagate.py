@@ -221,6 +221,11 @@ def rows_of(chains: Iterable[Chain | ArrayLike] | ArrayLike) -> list[Chain | Arr
             f"chains must be a list of chains or rows of radii, got {short_repr(given)}; "
             "put a single row of radii in a list, [[...]]"
         )
+    for count, item in enumerate(given, start=1):
+        if not isinstance(item, Chain | list | tuple) and np.ndim(item) == 0:
+            raise InputError(
+                f"item {count} of chains must be a chain or a row of radii, got {short_repr(item)}"
+            )
     return given
 
 

@@ -106,10 +106,15 @@ def plain_magnitude(what: str, value: Any, unit: str | None, depth: int = 0) -> 
 def _reject_bare_number(what: str, text: str, unit: str | None) -> None:
     """Reject text that is a number without the unit that text must have."""
     try:
-        float(text)
+        given = float(text)
     except ValueError:
         return
-    if unit in (None, "", SCALED):
+    if unit == FRACTION and 1.0 <= given < math.inf:
+        raise InputError(
+            f"{what} {text!r} is text; give '{text.strip()}%' for a percentage, or a number "
+            "without quotes"
+        )
+    if unit in (None, FRACTION, SCALED):
         raise InputError(f"{what} {text!r} is text; give the number {text.strip()} without quotes")
     raise InputError(
         f"{what} is {text!r}, without a unit; write '{text.strip()} {_usual(unit)}' or another "

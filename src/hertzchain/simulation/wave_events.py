@@ -29,7 +29,7 @@ from ..chain.bisection import bisected
 from ..collision import Array
 from ..errors import InputError
 from ..frozen import Compared
-from ..representation import measure, short
+from ..representation import counted, measure, short
 from .trajectory import Trajectory
 from .wave_samples import MIN_SAMPLES, advised_times
 
@@ -173,9 +173,10 @@ def require_resolved(
     The advice includes other waves at these contacts.
     """
     if not event.resolved:
+        samples = min(max(1, round(event.samples)), math.ceil(MIN_SAMPLES) - 1)
         raise InputError(
-            f"{name} has {event.samples:.3g} saved times while it passes contact {event.contact}, "
-            f"but at least {MIN_SAMPLES:g} are required; "
+            f"{name} has about {counted(samples, 'saved time')} while it passes contact "
+            f"{event.contact}, but at least {MIN_SAMPLES:g} are required; "
             f"{advised_times(run, (event.contact, *contacts))}"
         )
 

@@ -87,6 +87,7 @@ def test_completion_does_not_offer_internals():
     run = hc.simulate(chain)
     for item, internal, public in (
         (chain, {"given", "features", "contact_groups", "loads"}, {"radii", "replace", "beads"}),
+        (hc.Chain, {"features", "contact_groups", "loads"}, {"uniform", "replace", "beads"}),
         (run, {"prediction", "evaluations"}, {"velocities", "waves", "status"}),
     ):
         assert not internal & set(dir(item))

@@ -27,6 +27,15 @@ class ShortDir:
         return [name for name in names if name[:1] != "_" or name[:2] == "__"]
 
 
+class ShortClassDir(type):
+    """Omits these attributes from `dir` and completion of the class, too."""
+
+    _omitted: ClassVar[tuple[str, ...]]
+
+    def __dir__(cls) -> list[str]:
+        return [name for name in super().__dir__() if name not in cls._omitted]
+
+
 class Compared:
     """Dataclass with arrays, compared by its fields; NaN is equal to NaN.
 

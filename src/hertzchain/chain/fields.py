@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import unknown_name_error
-from ..frozen import Frozen
+from ..frozen import Frozen, ShortClassDir
 from ..units import unit_of_stiffness
 from ..validation.keywords import checked_methods, show_fields
 from ..validation.numbers import (
@@ -75,7 +75,7 @@ DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class ChainFields(Frozen):
+class ChainFields(Frozen, metaclass=ShortClassDir):
     """Fields of `hertzchain.Chain`, which documents them; each is checked when it is set."""
 
     _omitted = (

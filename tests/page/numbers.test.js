@@ -30,6 +30,8 @@ test("percentages of theories have decimals instead of powers", () => {
   assert.deepEqual([10, 0.001, 0.0001, -0.0005, 0.0000567, 1e-7].map((each) => percent(each)),
     ["10%", "0.001%", "0.0001%", "−0.0005%", "0.000057%", "1e−7%"]);
   assert.equal(percent(12.345, 2), "12%");
+  assert.deepEqual([0, 5e4, 1e5].map((each) => percent(each, 4, 1e5)), ["0%", "5e4%", "1e5%"]);
+  assert.deepEqual([0.0005, 0.001].map((each) => short(each, 4, 0.001)), ["0.0005", "0.001"]);
 });
 
 test("ticks are round, within the ends and equally spaced", () => {

@@ -189,7 +189,7 @@ export class Chart {
   drawAxes(axes) {
     const items = [], right = this.W - RIGHT, bottom = this.H - BOTTOM, rows = Math.max(2, (bottom - TOP) / 28);
     const marks = this.log ? powers(this.y[0], this.y[1], rows) : ticks(this.y[0], this.y[1], rows);
-    const digits = this.log ? 4 : digitsOf(marks);
+    const digits = this.log ? 4 : digitsOf(marks), size = this.log ? undefined : Math.max(...marks.map(Math.abs));
     for (const [low, high] of axes.shaded ?? []) {
       const top = this.py(Math.min(high, this.y[1]));
       items.push(svg("rect", { class: "shade", x: LEFT, y: top, width: right - LEFT, height: Math.max(0, this.py(low) - top) }));
@@ -197,7 +197,7 @@ export class Chart {
     for (const y of marks) {
       const at = Math.round(this.py(y)) + 0.5;
       items.push(svg("line", { class: y === 0 ? "axis" : "grid", x1: LEFT, x2: right, y1: at, y2: at }));
-      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent && !this.log ? percent(y, digits) : short(y, digits) + (axes.percent ? "%" : "")));
+      items.push(svg("text", { x: LEFT - 6, y: at + 3.5, "text-anchor": "end" }, axes.percent && !this.log ? percent(y, digits, size) : short(y, digits, size) + (axes.percent ? "%" : "")));
     }
     const places = ticks(this.x[0], this.x[1], (right - LEFT) / 50, axes.counted ? 1 : 0);
     for (const at of places) {

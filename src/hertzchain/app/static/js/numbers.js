@@ -18,11 +18,10 @@ export const SHOWN = {
 export const USUAL = {};
 
 /** A number in few characters; powers of ten have one digit less by default.
- * @param {number} value @param {number} [digits] */
-export function short(value, digits = 4) {
+ * @param {number} value @param {number} [digits] @param {number} [size] of the largest tick */
+export function short(value, digits = 4, size = Math.abs(value)) {
   if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
-  const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-3) {
     const [mantissa, power] = value.toExponential((digits > 4 ? digits : Math.min(digits, 3)) - 1).split("e");
     return `${String(+mantissa)}e${+power}`.replace("-", "−").replace("e-", "e−");
@@ -36,10 +35,9 @@ export function full(value) {
   return size >= 1e-3 && size < 9999.5 ? value.toPrecision(4).replace("-", "−") : text;
 }
 
-/** A percentage, with decimals down to 0.000001%. @param {number} value @param {number} [digits] */
-export function percent(value, digits) {
-  const size = Math.abs(value);
-  return (size >= 1e-6 && size < 1e-3 ? plain(+value.toPrecision(2)).replace("-", "−") : short(value, digits)) + "%";
+/** A percentage, with decimals down to 0.000001%. @param {number} value @param {number} [digits] @param {number} [size] */
+export function percent(value, digits, size = Math.abs(value)) {
+  return (size >= 1e-6 && size < 1e-3 ? plain(+value.toPrecision(2)).replace("-", "−") : short(value, digits, size)) + "%";
 }
 
 /** The shortest text of a number. @param {number} value @param {number} [digits] */

@@ -400,6 +400,22 @@ def test_a_run_that_ends_while_the_incident_wave_passes_is_too_short():
         hc.simulate(STEP, until=60.0, times=1000).reflection(50, 75)
 
 
+def test_a_wave_that_an_odd_bead_divides_has_both_of_its_energies():
+    chain = hc.Chain.uniform(60).with_defects({30: 1.5})
+    waves = hc.simulate(chain, until=75.0, times=1500).waves()
+    row, wave = waves.to_dataframe().iloc[0], waves[0]
+    # Energy and momentum of the solitary wave of the uniform chain, and their known ratio.
+    assert (row.first_energy, row.first_momentum) == pytest.approx((0.4968, 1.1383), rel=2e-3)
+    change = row.last_momentum / row.first_momentum
+    assert row.last_energy / row.first_energy == pytest.approx(change**2, rel=5e-3)
+    both = f"{row.first_momentum:.4g} to {row.last_momentum:.4g}"
+    assert all(both in item._repr_html_() for item in (waves, wave))
+    assert both in " ".join(repr(wave).split())
+    lines = [line for line in waves.plot().lines if len(line.get_xdata()) > 1]
+    by_contact = {line.get_ydata()[-1]: line.get_linewidth() for line in lines}
+    assert by_contact[59] < 0.9 * lines[0].get_linewidth()
+
+
 def test_the_legend_explains_the_widths_of_lines():
     row = hc.Chain.from_materials(5e-3, "steel-52100", beads=20)
     run = hc.simulate(row.struck_by(radius="10 mm", velocity="0.1 m/s"), until=1e-3, times=2001)

@@ -59,7 +59,10 @@ def waves_html(waves: Waves) -> str:
             "right" if wave.direction > 0 else "left",
             f"{wave.contacts.min()} to {wave.contacts.max()}",
             f"{slow * wave.times.min():.4g} to {slow * wave.times.max():.4g}",
-            *(f"{factor * getattr(wave, name):.4g}" for name, (factor, _) in columns.items()),
+            *(
+                " to ".join(f"{factor * each:.4g}" for each in wave._along(name))
+                for name, (factor, _) in columns.items()
+            ),
         ]
         for wave in shown
     ]
@@ -85,12 +88,13 @@ def wave_html(wave: Wave) -> str:
     found = {
         "contacts": f"{wave.contacts.min()} to {wave.contacts.max()}",
         "time": f"{begin} to {end}",
-        "force": engineering(wave.amplitude, "N", units),
-        "momentum": engineering(wave.momentum, "N s", units),
-        "energy": engineering(wave.energy, "J", units),
     }
-    if np.isfinite(wave.width):
-        found["width in time"] = engineering(wave.width, "s", units)
+    for word, name, unit in (
+        ("force", "amplitude", "N"), ("momentum", "momentum", "N s"), ("energy", "energy", "J"),
+        ("width in time", "width", "s"),
+    ):  # fmt: skip
+        if np.isfinite(getattr(wave, name)):
+            found[word] = " to ".join(engineering(each, unit, units) for each in wave._along(name))
     parts = [chart([curve], "contact", f"largest force{newton}", whole=True), numbers(found)]
     if wave.merged:
         parts.append(note("Momentum and energy may include waves that have not separated."))

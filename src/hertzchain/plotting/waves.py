@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
 from matplotlib.axes import Axes
 
-from ..simulation.waves import DIRECTIONS, Waves
+from ..simulation.waves import DIRECTIONS, Wave, Waves
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_bool
 from .colours import COLOURS, grey
@@ -17,6 +18,8 @@ from .titles import chain_title
 
 # Part of the largest energy below which the widths of lines are explained.
 SAME: Final = 0.9
+# Relative change of the energy at which a track has another width, and neighbours in its median.
+CHANGE, NEAR = 0.1, 5
 LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 
 
@@ -24,8 +27,9 @@ LINES = {1: (COLOURS[1], "-"), -1: (COLOURS[2], "--")}
 def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> Axes:
     """Plot the track of every wave: contact against time, coloured by direction.
 
-    The width of a line increases with the energy of its wave; if the energies differ, the legend
-    has lines of the largest energy and of a tenth of it.
+    The width of a line increases with the energy of its wave, and changes where this energy does,
+    such as at an odd bead; if the energies differ, the legend has lines of the largest energy and
+    of a tenth of it.
 
     Parameters
     ----------
@@ -46,17 +50,19 @@ def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> 
     legend = check_bool("legend", legend)
     last = max((float(wave.times[-1]) for wave in waves), default=0.0)
     factor, label = time_axis(waves.chain, last)
-    strongest = max((wave.energy for wave in waves), default=1.0)
+    energies = [energy for wave in waves for _, energy in _parts(wave)]
+    strongest = max(energies, default=1.0)
     with figure_style():
         axes = get_axes(ax)
         for wave in waves:
             colour, style = LINES[wave.direction]
-            axes.plot(factor * wave.times, wave.contacts, color=colour, linestyle=style,
-                      linewidth=_width(wave.energy / strongest))  # fmt: skip
+            for part, energy in _parts(wave):
+                axes.plot(factor * wave.times[part], wave.contacts[part], color=colour,
+                          linestyle=style, linewidth=_width(energy / strongest))  # fmt: skip
         for sign in dict.fromkeys(sorted((wave.direction for wave in waves), reverse=True)):
             axes.plot([], [], color=LINES[sign][0], linestyle=LINES[sign][1],
                       label=f"to the {DIRECTIONS[sign]}")  # fmt: skip
-        if min((wave.energy for wave in waves), default=strongest) < SAME * strongest:
+        if min(energies, default=strongest) < SAME * strongest:
             _label_widths(axes, strongest, si=waves.chain.units == "SI")
         label_below(axes, label)
         axes.set_ylabel("contact $k$")
@@ -65,6 +71,26 @@ def plot_waves(waves: Waves, *, legend: bool = True, ax: Axes | None = None) -> 
         if legend and len(waves):
             place_legend(axes, own=ax is None)
     return axes
+
+
+def _parts(wave: Wave) -> list[tuple[slice, float]]:
+    """Parts of a track that have nearly the same energy, which changes at odd beads and steps."""
+    counted = np.flatnonzero(wave._counted)
+    if len(wave._along("energy")) < 2 or len(wave.events) < NEAR:
+        return [(slice(None), wave.energy)]
+    # Where the wave has not separated from others, its energy is that of the nearest contact.
+    distances = np.abs(np.arange(len(wave.events))[:, np.newaxis] - counted)
+    energies = wave.energies[counted[np.argmin(distances, axis=1)]]
+    # Single contacts, such as those beside an odd bead, do not divide a track.
+    smooth = np.median(np.lib.stride_tricks.sliding_window_view(energies, NEAR), axis=1)
+    smooth = np.pad(smooth, NEAR // 2, mode="edge")
+    begins = [0]
+    for i, energy in enumerate(smooth):
+        if abs(energy - smooth[begins[-1]]) > CHANGE * max(energy, smooth[begins[-1]]):
+            begins.append(i)
+    ends = [*begins[1:], len(smooth) - 1]
+    return [(slice(begin, end + 1), float(np.median(smooth[begin : end + 1])))
+            for begin, end in zip(begins, ends, strict=True)]  # fmt: skip
 
 
 def _width(part: float) -> float:

@@ -18,6 +18,7 @@ from ..frozen import Compared
 from ..representation import NO_BREAK, counted, folded, measure, short, wrapped
 from ..validation.keywords import checked_methods
 from ..validation.numbers import contact_number, whole_number
+from .unlisted_energy import ADVICE, NO_WAVE, UNLISTED, unlisted_in_words
 from .wave_events import WaveEvent
 from .wave_samples import MIN_SAMPLES, SHORTEST
 
@@ -26,12 +27,12 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DIRECTIONS: Final = {1: "right", -1: "left"}
-# Relative difference between the begin and the end of a track from which both values are shown.
-SAME: Final = 0.2
-# Part of the energy in no wave that is announced at more than this number of contacts in a row.
-UNLISTED, MEETING = 0.5, 5
-NO_WAVE: Final = "{:.0%} of the energy flux at contact {} is in no listed wave"
-ADVICE: Final = "; use run.energy_flux() or waves.at(k)"
+# Relative difference between the begin and the end of a track from which both values are shown,
+# and that of other quantities of the same wave.
+SAME, SIMILAR = 0.2, 0.05
+TRANSPORTED: Final = ("amplitude", "momentum", "energy")
+PLURALS: Final = {"amplitude": "amplitudes", "momentum": "momenta", "energy": "energies",
+                  "width": "widths"}  # fmt: skip
 
 
 @checked_methods
@@ -124,18 +125,20 @@ class Wave(Compared):
         separated = np.array([not event.merged for event in self.events])
         return separated if separated.any() else ~separated
 
-    def _along(self, name: str) -> tuple[float, ...]:
-        """Median of a quantity, or those of the first and the last third if they differ."""
-        plural = {"amplitude": "amplitudes", "momentum": "momenta", "energy": "energies",
-                  "width": "widths"}  # fmt: skip
-        values = getattr(self, plural[name])
+    def _ends(self, name: str) -> tuple[float, float]:
+        """Medians of a quantity over the first and the last third; of all, if they are short."""
+        values = getattr(self, PLURALS[name])
         known = values[np.isfinite(values) & (self._counted | (name in ("amplitude", "width")))]
         third = len(known) // 3
         if third < 2:
-            return (getattr(self, name),)
-        ends = float(np.median(known[:third])), float(np.median(known[-third:]))
-        same = abs(ends[0] - ends[1]) <= SAME * max(map(abs, ends))
-        return (getattr(self, name),) if same else ends
+            return (getattr(self, name),) * 2
+        return float(np.median(known[:third])), float(np.median(known[-third:]))
+
+    def _along(self, name: str) -> tuple[float, ...]:
+        """Median of a quantity, or those of the first and the last third if the wave changes."""
+        ends = self._ends(name)
+        changes = any(_differ(*self._ends(each), SAME) for each in (*TRANSPORTED, name))
+        return ends if changes and _differ(*ends, SIMILAR) else (getattr(self, name),)
 
     @property
     def width(self) -> float:
@@ -347,7 +350,10 @@ class Waves(Compared):
         pandas.DataFrame
             Columns ``direction``, ``first_contact``, ``last_contact``, ``first_time``,
             ``last_time``, ``amplitude``, ``momentum``, ``energy``, ``width``, ``speed`` and
-            ``samples``, as in `Wave`.
+            ``samples``, as in `Wave`, and ``first_amplitude``, ``last_amplitude``,
+            ``first_momentum``, ``last_momentum``, ``first_energy`` and ``last_energy``: medians
+            over the first and over the last third of the contacts, which differ in tapers and
+            beyond interfaces.
 
         Examples
         --------
@@ -358,7 +364,8 @@ class Waves(Compared):
         """
         import pandas as pd
 
-        return pd.DataFrame([_row(wave) for wave in self.waves], columns=[*COLUMNS])
+        names = [f"{end}_{name}" for name in TRANSPORTED for end in ("first", "last")]
+        return pd.DataFrame([_row(wave) for wave in self.waves], columns=[*COLUMNS, *names])
 
     def plot(self, *, legend: bool = True, ax: Axes | None = None) -> Axes:
         """Plot the track of every wave: contact against time.
@@ -385,19 +392,7 @@ class Waves(Compared):
 
     @property
     def _unlisted(self) -> str:
-        """Sentence on contacts where most of the energy is in no listed wave, or nothing."""
-        missed = np.concatenate(([False], self.unlisted_energy > UNLISTED, [False]))
-        begin, end = np.flatnonzero(np.diff(missed.astype(int))).reshape(-1, 2).T
-        # Where waves meet, or a wall reflects one, a few contacts have maxima without a direction.
-        long = end - begin > min(MEETING, self.chain.beads - 2)
-        if not long.any():
-            return ""
-        longest = zip(begin[long], end[long], strict=True)
-        contacts = np.concatenate([np.arange(*each) for each in longest])
-        worst = int(contacts[np.argmax(self.unlisted_energy[contacts])])
-        most = NO_WAVE.format(self.unlisted_energy[worst], worst + 1)
-        count = f"{len(contacts)} of {self.chain.beads - 1} contacts"
-        return f"{most}, and more than half at {count}{ADVICE}"
+        return unlisted_in_words(self.unlisted_energy)
 
     def _heading(self) -> str:
         right, left = (sum(w.direction == sign for w in self) for sign in DIRECTIONS)
@@ -436,6 +431,10 @@ class Waves(Compared):
         return folded(re.sub(r"(?<=[^, ]) ", NO_BREAK, "\n".join(lines)), below=6)
 
 
+def _differ(first: float, last: float, most: float) -> bool:
+    return abs(first - last) > most * max(abs(first), abs(last))
+
+
 COLUMNS: Final = (
     "direction", "first_contact", "last_contact", "first_time", "last_time", "amplitude",
     "momentum", "energy", "width", "speed", "samples",
@@ -447,4 +446,5 @@ def _row(wave: Wave) -> tuple[float, ...]:
     return (
         wave.direction, first.contact, last.contact, first.time, last.time, wave.amplitude,
         wave.momentum, wave.energy, wave.width, wave.speed, wave.samples,
+        *(end for name in TRANSPORTED for end in wave._ends(name)),
     )  # fmt: skip

@@ -235,7 +235,7 @@ def test_exchanged_columns_are_named_without_advice_on_units_if_there_is_another
     gains = ("gain[ball 5]", "gain[ball 10]", "gain[wall]")
     result = hc.fit(
         hc.Traces.from_arrays(times, volts), chain(), free=[*FREE, *gains], starts=1,
-        priors=dict.fromkeys(gains, (0.02, 0.001)),
+        priors=dict.fromkeys(gains, (0.02, 0.001)), diagnose=False,
     )  # fmt: skip
     assert "the columns of ball 5 and ball 10 exchanged" in result.advice[0]
     assert DESCRIBES not in result.advice[0]

@@ -22,12 +22,11 @@ from .cap_notes import is_cap_note
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, try_further
 from .clocks import fixed_offsets
 from .effect_limits import limited
-from .exchanged_columns import MUCH_BETTER
 from .free_causes import MAX_TRIED, MOST, PROMISING, after_zeros, free_zeros, other_places
 from .gap_causes import small_gap_causes
 from .goodness import rounded_chi2
 from .misread_columns import misread_columns
-from .misread_places import rms_difference
+from .misread_places import agrees_much_better
 from .misread_times import check_times, misread_times
 from .names import Name
 from .parameters import Parameter, kind_and_value
@@ -216,8 +215,7 @@ def first_misread(problem: Problem, start: Mapping[str, float], refit: Refit) ->
     model = problem.model
     for each in misread_columns(model):
         other = replace(model, traces=each.traces)
-        exchanged = each.order and rms_difference(other) < MUCH_BETTER * rms_difference(model)
-        if not (each.unit or exchanged):
+        if not (each.unit or (each.order and agrees_much_better(other, model))):
             continue
         try:
             found = refit(Problem(other), start, 1)
@@ -417,8 +415,10 @@ def _columns(result: FitResult, start: Mapping[str, float], refit: Refit) -> Ite
         problem = Problem(replace(model, traces=each.traces))
         try:
             found = refit(problem, start, 1)
+            # Such an order is certain although another error remains, such as a gap.
+            whole = each.whole or (each.order and agrees_much_better(problem.model, model))
             yield Cause(
-                each.what, each.advice, found, 0, each.whole, misread=True, gross=each.gross,
+                each.what, each.advice, found, 0, whole, misread=True, gross=each.gross,
                 order=each.order,
             )  # fmt: skip
         except SimulationError:

@@ -10,6 +10,7 @@ from ..chain.chain import Chain
 from ..errors import InputError
 from ..traces.places import Place, check_places, place_named
 from ..traces.traces import mapped
+from .exchanged_columns import MUCH_BETTER
 from .misread_times import nominal_pulses
 from .model import Model, make_model
 from .simulations import Simulator
@@ -77,3 +78,8 @@ def rms_difference(model: Model) -> float:
     """Rms difference of the data from the nominal chain at the best time offset."""
     shot, columns, grid = nominal_pulses(model)
     return difference_at_best_offset(shot, columns, float(grid[1] - grid[0]))
+
+
+def agrees_much_better(other: Model, model: Model) -> bool:
+    """Whether the data of another model agree much better with the nominal chain."""
+    return rms_difference(other) < MUCH_BETTER * rms_difference(model)

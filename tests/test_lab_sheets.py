@@ -582,13 +582,30 @@ def test_traces_and_runs_have_the_sensor_load_cell(tmp_path):
     run.save_forces(tmp_path / "run.csv", ["ball 6", "wall"])
     text = (tmp_path / "run.csv").read_text(encoding="utf-8")
     (tmp_path / "cell.csv").write_text(text.replace("wall", "Load cell"), encoding="utf-8")
-    cell, wall = (hc.load_traces(tmp_path / f"{name}.csv", noise=0.1) for name in ("cell", "run"))
+    options = {"noise": {"load cell": 0.1, "*": 0.1}, "coupling": {"load cell": "DC"}}
+    cell, wall = (hc.load_traces(tmp_path / f"{name}.csv", **options) for name in ("cell", "run"))
     assert cell.names == wall.names
+    assert [signal.coupling for _, signal in wall] == ["", "DC"]
     assert run.compare(cell).differences == run.compare(wall).differences
     free = slow.replace(right_wall=None)
     other = hc.simulate(free, until="1 ms", times=2001)
     with pytest.raises(hc.InputError, match="sensor 'load cell', but the chain has no load cell"):
         other.compare(cell)
+
+
+def test_noise_parameters_and_priors_of_a_fit_know_the_sensor_load_cell():
+    def plan(name, noise):
+        return hc.forecast(
+            CELL, ["ball 6", name], noise={name: 0.5, **noise}, interval="4 us",
+            free=["stiffness", f"gain[{name}]", f"delay[{name}]"],
+            priors={f"gain[{name}]": (1.0, 0.01)}, until="400 us",
+        )  # fmt: skip
+
+    one, two = plan("load cell", {"ball 6": 0.3}), plan("wall", {"ball 6": 0.3})
+    assert one.errors == two.errors
+    assert "delay[wall]" in one.errors
+    with pytest.raises(hc.InputError, match="'wall' names the sensor 'wall', which is given twice"):
+        plan("load cell", {"ball 6": 0.3, "wall": 1.0})
 
 
 def test_a_notebook_shows_the_predictions(sheet):

@@ -312,10 +312,7 @@ def noise_from(texts: tuple[str, ...]) -> float | str | dict[str, float | str] |
     """Noise of all sensors, or by sensor; None if it has to be estimated."""
     from ..traces.noise import OTHERS
 
-    found = by_name("--noise", "sensor", "wall", OTHERS, texts)
-    if not isinstance(found, dict):
-        return found
-    return {name if name == OTHERS else _usual_name(name): each for name, each in found.items()}
+    return by_name("--noise", "sensor", "wall", OTHERS, texts)
 
 
 def by_name(
@@ -335,17 +332,6 @@ def by_name(
         name, equals, value = text.rpartition("=")
         found[name.strip() if equals else others] = as_typed(value.strip())
     return found or None
-
-
-def _usual_name(sensor: str) -> str:
-    """The usual spelling of a place; other names as they are, which are answered later."""
-    from ..errors import InputError
-    from ..traces.places import place_named
-
-    try:
-        return place_named(sensor).name
-    except InputError:
-        return sensor
 
 
 quantity_option = click.option(

@@ -422,14 +422,13 @@ def _place(text: object, chain: Chain, noise: Any) -> tuple[Place, str]:
         if isinstance(text, str) and text.strip().endswith("]"):
             place, unit, _ = header_of(text)
         else:
-            place = place_named(str(text))
-            own = given_noise(noise, place.name)
-            unit = "V" if in_volts(own) else UNITS[place.quantity]
+            place, unit = place_named(str(text)), ""
     except InputError:
         raise InputError(
             "sensors must be names such as 'ball 6', 'bead 7', 'wall', 'ball 3 velocity' or, "
             f"without calibration, 'ball 6 [V]', got {short_repr(text)}"
         ) from None
+    unit = unit or ("V" if in_volts(given_noise(noise, place.name)) else UNITS[place.quantity])
     if place.body in ("left", "right"):
         wall_number(chain, "load cell" if place.cell else f"{place.body} wall")
     elif place.body == CAP:

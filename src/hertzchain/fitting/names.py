@@ -9,6 +9,7 @@ from typing import Final
 
 from ..errors import InputError, short_repr
 from ..representation import listed
+from ..traces.places import usual_name
 
 # Walls, whose names begin those of their parameters.
 ENDS: Final = ("left_wall", "right_wall")
@@ -53,7 +54,9 @@ def parse_name(text: object) -> Name:
             f"'gain[ball 6]', got {short_repr(text)}"
         )
     key = found["base"] + (f".{found['field']}" if found["field"] else "")
-    return Name(key, found["item"] or "", found["shot"] or "")
+    item = found["item"] or ""
+    # Names of materials are followed by a field.
+    return Name(key, item if found["field"] else usual_name(item), found["shot"] or "")
 
 
 def is_time_offset(text: object) -> bool:

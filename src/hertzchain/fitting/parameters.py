@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Final
@@ -26,6 +27,8 @@ from .law_parameters import loss_parameters
 from .names import Name, parse_name, to_free
 from .sensors import COMMON_ONLY, SENSOR_KINDS
 
+# Numbers of balls in names.
+DIGITS: Final = re.compile(r"[0-9]+")
 TIME: Final = Kind("s", typical=1e-6, step=1e-2)
 # Constants that determine the stiffness of Hertz contacts.
 ELASTIC: Final = ("materials.young", "materials.poisson")
@@ -361,4 +364,20 @@ def kind_and_value(name: Name, traces: Traces, chains: Sequence[Chain]) -> tuple
         return kind_of(chain, name), value_of(chain, name)
     except UnknownParameterError:
         # The parameters of the sensors are known, too.
-        raise unknown_name_error("parameter", str(name), every_name(traces, chain)) from None
+        known = [_with_own_place(each, name, traces, chain) for each in every_name(traces, chain)]
+        raise unknown_name_error("parameter", str(name), known) from None
+
+
+def _with_own_place(known: str, name: Name, traces: Traces, chain: Chain) -> str:
+    """A known name with the balls or the sensor of an unknown one instead of its example."""
+    example = parse_name(known)
+    if not name.item or DIGITS.sub("0", example.item) != DIGITS.sub("0", name.item):
+        return known
+    own = replace(example, item=name.item)
+    if own.key in SENSOR_KINDS:
+        return str(own) if own.item in traces.names else known
+    try:
+        value_of(chain, own)
+    except InputError:
+        return known  # There is no such ball.
+    return str(own)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..collision import Array
 from ..errors import unknown_name_error
+from .places import by_usual_name, usual_name
 
 # Smallest number of samples from which a noise is estimated.
 MIN_QUIET: Final = 20
@@ -62,13 +63,16 @@ def check_names_of_noise(noise: object, names: Sequence[str]) -> None:
     """Reject the noise of sensors that the traces do not have."""
     if isinstance(noise, Mapping):
         for name in noise:
-            if name not in (*names, OTHERS):
+            if usual_name(name) not in (*names, OTHERS):
                 raise unknown_name_error("sensor of noise", str(name), names)
 
 
 def given_noise(noise: Any, sensor: str) -> Any:
     """The noise that is given for a sensor, or for the others; None if there is none."""
-    return noise.get(sensor, noise.get(OTHERS)) if isinstance(noise, Mapping) else noise
+    if not isinstance(noise, Mapping):
+        return noise
+    given = by_usual_name(noise)
+    return given.get(sensor, given.get(OTHERS))
 
 
 def onset(values: Array) -> int:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 from ..chain.bead_names import CAP, CELLS, check_load_cell, numbered_bead, usual_spelling
 from ..chain.chain import Chain
@@ -119,6 +119,24 @@ def place_named(
         )
     body = CAP if capped else found[1] or found[3] or "right"
     return Place(text.removesuffix(" force"), body, int(found[2] or 0), quantity)
+
+
+def usual_name(sensor: object) -> Any:
+    """The usual spelling of a place; other names as they are, which are answered later."""
+    try:
+        return place_named(sensor).name if isinstance(sensor, str) else sensor
+    except InputError:
+        return sensor
+
+
+def by_usual_name(given: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Values by the names of sensors in their usual spelling, such as wall for load cell."""
+    found: dict[Any, Any] = {}
+    for name, value in given.items():
+        if (usual := usual_name(name)) in found:
+            raise InputError(f"{name!r} names the sensor {usual!r}, which is given twice; keep one")
+        found[usual] = value
+    return found
 
 
 def _meant(text: str) -> str:

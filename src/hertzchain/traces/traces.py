@@ -18,6 +18,7 @@ from ..validation.objects import check_choice, check_list, check_type
 from .headers import header_of
 from .noise import check_names_of_noise
 from .notes import trace_notes
+from .places import by_usual_name, usual_name
 from .shots import check_times, made_again, make_shot, shot_between
 from .signals import Clock, Shot, Signal, merged_shots
 
@@ -357,9 +358,9 @@ def with_coupling(traces: Traces, coupling: Any) -> Traces:
         return traces
     if isinstance(coupling, Mapping):
         for name in coupling:
-            if name not in traces.names:
+            if usual_name(name) not in traces.names:
                 raise unknown_name_error("sensor of coupling", str(name), traces.names)
-        given = dict(coupling)
+        given = by_usual_name(coupling)
     else:
         given = dict.fromkeys(traces.names, coupling)
     for name, value in given.items():

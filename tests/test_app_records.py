@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+from dataclasses import replace
 
 import click
 import numpy as np
@@ -14,6 +15,7 @@ from hertzchain.app.record_curves import MAX_SAMPLES, record_curves
 from hertzchain.app.records import keep, places_in, read_record, record_of_file
 from hertzchain.app.results import limited
 from hertzchain.cli import cli
+from hertzchain.fitting.compare_traces import compare_traces
 
 LAB = {
     "chain": {"radii": "5 mm", "beads": 12, "materials": "steel-52100", "right_wall": {},
@@ -196,13 +198,13 @@ def test_the_live_app_begins_with_the_chains_sensors_and_data_of_the_options(
         cli.main(["app", str(lab), "--sensor", "CH1=wall"], standalone_mode=False)
 
 
-def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope):
+def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope, monkeypatch):
     head, *rows = scope.read_text().splitlines()[1:]
     # The sensor in a ball shows a spike before the pulse, and noise instead of it.
     lines = [head]
     for i, row in enumerate(rows):
         time, ball, _ = row.split(",")
-        lines.append(f"{time},{ball},{1.0 if i == 20 else 1e-5 * float(ball):.6g}")
+        lines.append(f"{time},{ball},{1.5 if i == 20 else 0.5 + 1e-5 * float(ball):.6g}")
     text = "\n".join(lines) + "\n"
     record = keep_of(text)
     header, arrays = computed(LAB, sensors=[6], record=record)["run"]
@@ -211,6 +213,16 @@ def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope):
     assert "record.1" not in arrays
     said = r"wall is not shown: with the fitted scale of .* V/N, it would reach"
     assert any(re.search(said, each) for each in shown["notes"])
+    # The page draws the samples without their level, and the simulation as it is.
+    level = "before the pulse, wall is at 500 mV; the samples are drawn without this level; in a fit"
+    assert any(each.startswith(level) for each in shown["notes"])
+    # If columns are exchanged, this scale means nothing.
+    monkeypatch.setattr(
+        "hertzchain.app.record_curves.compare_traces",
+        lambda *each: replace(compare_traces(*each), exchanged=True),
+    )
+    header, _ = computed(LAB, sensors=[6], record=record)["run"]
+    assert "wall is not shown" in header["record"]["notes"]
 
 
 def keep_of(text):

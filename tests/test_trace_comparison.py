@@ -586,7 +586,7 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     np.testing.assert_allclose(shifted.scaled[0] - plain.scaled[0], 0.0125 * 4.0, rtol=1e-9)
     volts, newtons = (each for each in shifted.notes if "before the pulse" in each)
     assert "before the pulse, ball 5 is at 49.9 mV; the simulation is shifted to this" in volts
-    assert "a fit needs 'offset[ball 5]'" in volts
+    assert "in a fit, free 'offset[ball 5]'" in volts
     assert "before the pulse, wall is at 4 N, the simulation at 0 N" in newtons
     columns = {
         f"{each.name} [V]": 0.01 * each.values + level
@@ -595,7 +595,7 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     both = simulated(7e-4).compare(hc.Traces.from_arrays(traces().shots[0].times, columns)).notes
     (said,) = (each for each in both if "before the pulse" in each)
     assert "and wall at -20 mV; the simulation is shifted to these levels" in said
-    assert said.endswith("a fit needs 'offset[*]'")
+    assert said.endswith("in a fit, free 'offset[*]'")
     assert not any("before the pulse" in each for each in plain.notes)
 
 

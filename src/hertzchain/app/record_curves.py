@@ -13,6 +13,7 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..fitting.compare_traces import compare_traces
 from ..fitting.compared_run import run_to_compare
+from ..fitting.comparison_notes import SHIFTED
 from ..fitting.trace_comparison import TraceComparison
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
@@ -28,6 +29,8 @@ MAX_SAMPLES: Final = 6000
 # Scaled samples beyond this multiple of the largest simulated force belong to another signal: they
 # are not drawn, because all other curves would lie on the axis.
 ABSURD: Final = 30.0
+# The page shifts the samples, and not the simulation as the comparison does.
+SHOWN_WITHOUT: Final = "the samples are drawn without"
 
 
 def record_curves(
@@ -45,7 +48,7 @@ def record_curves(
             begin = float(shot.times[0])
             run = run_to_compare(chain, record.traces, begin, most=MAX_TIMES, progress=progress)
             found = compare_traces(run, record.traces)
-        notes += found.notes
+        notes += (each.replace(SHIFTED, SHOWN_WITHOUT) for each in found.notes)
     except (InputError, SimulationError) as error:
         notes.append(f"not aligned: {error}")
     offset = 0.0 if found is None else found.time_offset
@@ -93,6 +96,8 @@ def _in_newton(
         largest = float(np.nanmax(np.abs(model)))
         reached = float(np.nanmax(np.abs(values - level_of(resolved)))) / abs(scale)
         if reached > ABSURD * largest:
+            if found.exchanged:
+                return None, f"{signal.name} is not shown"
             return None, (f"{signal.name} is not shown: with the fitted scale of {scale:.4g} V/N, "
                           f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from ..traces.signals import Shot
 from .misread_columns import POLARITY, PROBES, advice_on_amplitude, prefix_of, usual_factor
 from .sensor_comparison import COMPLETE, NOTED, SensorComparison, scale_of
 from .shown_values import shown_ratio
+
+# How a note states that the simulation follows the levels of sensors.
+SHIFTED: Final = "the simulation is shifted to"
 
 
 def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) -> list[str]:
@@ -80,8 +84,8 @@ def _shift_notes(levels: Mapping[str, str], sensors: int) -> list[str]:
         f"{name} {'is ' * (k == 0)}at {level}" for k, (name, level) in enumerate(levels.items())
     ]
     return [
-        f"before the pulse, {listed(shown)}; the simulation is shifted to "
-        f"{'these levels' if several else 'this level'}; a fit needs "
+        f"before the pulse, {listed(shown)}; {SHIFTED} "
+        f"{'these levels' if several else 'this level'}; in a fit, free "
         f"{listed([repr(f'offset[{name}]') for name in names])}"
     ]
 

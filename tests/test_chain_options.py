@@ -160,6 +160,23 @@ def test_other_strikers_and_walls_of_known_stiffness(run, file, options, striker
     assert wall_peak(run, file, *options) == pytest.approx(expected)
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.IncompleteWarning")
+@pytest.mark.parametrize("force", [0.0, 20.0])
+def test_wall_none_frees_the_last_bead_or_the_cap_of_a_file(run, tmp_path, force):
+    chain = row().replace(right_wall=hc.Wall(), left_wall=hc.Wall())
+    chain = chain.replace(precompression=force, held_by="walls") if force else chain
+    file = tmp_path / "row.toml"
+    file.write_text(chain_as_toml(chain), "utf-8")
+    code, out, err = run("simulate", file, "--wall", "none", "--cap", "100 g", "--until", "1 ms",
+                         "--json")  # fmt: skip
+    assert code == 0, err
+    free = chain.replace(right_wall=None, held_by="force" if force else None).with_cap("100 g")
+    expected = hc.simulate(free, until="1 ms").body_force().force
+    document = json.loads(out)
+    assert [wall["side"] for wall in document["walls"]] == ["left"]
+    assert document["last_bead_force"]["force"] == pytest.approx(expected)
+
+
 def test_the_speed_of_a_chain_at_rest_is_that_of_its_strikers_or_of_bead_1(run, tmp_path):
     file, options = tmp_path / "rest.toml", ("--speed", "0.1 m/s")
     still = FILE.replace("0.1 m/s", "0 m/s")
@@ -206,7 +223,10 @@ def test_simulate_states_the_speed_of_the_impact(run, file):
             ("--wall", "same", "--wall-loss", "viscoelastic, restitution=0.9"),
             "--wall-loss viscoelastic with a restitution needs its speed, too",
         ),
-        (("--wall", "butter"), "--wall must be same, rigid or a material"),
+        (
+            ("--wall", "butter"),
+            "none, a material or a stiffness such as '5 kN/mm': unknown material 'butter'",
+        ),
         (("--wall", "2 kg/mm"), "or a stiffness such as '5 kN/mm' (exponent 1)"),
         (("--wall", "2"), "or a stiffness such as '5 kN/mm' (exponent 1)"),
         (("--striker", "50 s"), "such as --striker '50 g, flat', got '50 s'"),

@@ -185,7 +185,16 @@ def _with_unit(chain: Chain, text: str, option: str, unit: str) -> str | float:
     return as_typed(text)
 
 
-def wall_named(name: str, chain: Chain) -> Wall:
+def before_wall(chain: Chain, name: str) -> Chain:
+    """The chain in front of the wall of ``--wall NAME``; with a free end for ``none``."""
+    if name != "none":
+        return chain.replace(right_wall=_wall_named(name, chain))
+    # A free end is held by the constant force, as that of --precompression.
+    held = {"held_by": "force"} if chain.precompression else {}
+    return chain.replace(right_wall=None, **held)
+
+
+def _wall_named(name: str, chain: Chain) -> Wall:
     """The wall of ``--wall NAME``."""
     from ..chain.laws.elastic import Elastic
     from ..chain.walls import Wall
@@ -198,7 +207,7 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall.rigid()
     if chain.scaled:
         raise click.UsageError(
-            f"--wall {name} requires --material; a scaled chain has the walls same and rigid"
+            f"--wall {name} requires --material; a scaled chain has the walls same, rigid and none"
         )
     given = wall_from_text("--wall", name)
     if given.pop("loss", None):
@@ -207,7 +216,11 @@ def wall_named(name: str, chain: Chain) -> Wall:
         return Wall(**given)
     except InputError as error:
         words = on_command_line(str(error))
-        kinds = "--wall must be same, rigid or a material: " if "material" in given else ""
+        kinds = (
+            "--wall must be same, rigid, none, a material or a stiffness such as '5 kN/mm': "
+            if "material" in given
+            else ""
+        )
         raise click.UsageError(f"{kinds}{words}") from None
 
 

@@ -23,7 +23,7 @@ def complete_walls(_: Context, __: Parameter, incomplete: str) -> list[str]:
     """Names of walls that begin with the typed text."""
     from ..chain.materials import catalogue
 
-    return _beginning(("same", "rigid", *catalogue()), incomplete)
+    return _beginning(("same", "rigid", "none", *catalogue()), incomplete)
 
 
 def complete_losses(_: Context, __: Parameter, incomplete: str) -> list[str]:

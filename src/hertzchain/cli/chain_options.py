@@ -14,11 +14,11 @@ import click
 from ..errors import InputError
 from .chain_changes import (
     at_speed,
+    before_wall,
     compressed,
     law_from,
     struck,
     under_gravity,
-    wall_named,
     wall_with_loss,
     with_cap,
 )
@@ -118,7 +118,8 @@ CHAIN_OPTIONS: Final = (
         help="Add a wall behind the last bead: of the bead's material (same), rigid, of another "
         "material, or with a stiffness such as '5 kN/mm'.  This spring replaces the Hertz contact "
         "of the last ball: if it is stiffer than this contact, add a light cap (--cap).  A pad k1 "
-        "in front of a wall k2 has the stiffness k1 k2 / (k1 + k2).  Replaces the wall of a FILE.",
+        "in front of a wall k2 has the stiffness k1 k2 / (k1 + k2).  Replaces the wall of a FILE; "
+        "none removes it, so that the last bead or cap is free.",
     ),
     click.option(
         "--gravity",
@@ -298,7 +299,7 @@ def _changed(chain: Chain, options: ChainOptions, file: Path | None = None) -> C
     if options.striker is not None:
         chain = struck(chain, options.striker, options.speed, options.option_of_speed)
     if options.wall is not None:
-        chain = chain.replace(right_wall=wall_named(options.wall, chain))
+        chain = before_wall(chain, options.wall)
     if options.gravity is not None:
         chain = under_gravity(chain, options.gravity)
     if options.precompression is not None:

@@ -170,7 +170,8 @@ def test_wall_none_frees_the_last_bead_or_the_cap_of_a_file(run, tmp_path, force
     code, out, err = run("simulate", file, "--wall", "none", "--cap", "100 g", "--until", "1 ms",
                          "--json")  # fmt: skip
     assert code == 0, err
-    free = chain.replace(right_wall=None, held_by="force" if force else None).with_cap("100 g")
+    held = {"held_by": "force"} if force else {}
+    free = chain.replace(right_wall=None, **held).with_cap("100 g")
     expected = hc.simulate(free, until="1 ms").body_force().force
     document = json.loads(out)
     assert [wall["side"] for wall in document["walls"]] == ["left"]

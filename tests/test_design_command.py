@@ -363,6 +363,23 @@ def test_invalid_files_are_explained(file, old, new, told, monkeypatch):
     assert "\n" not in str(error.value)
 
 
+def test_unknown_names_of_all_tables_are_reported_together(file):
+    text = PROBLEM.replace("beads = 8", "beads = 8\nmasss = 1").replace("wall_force.peak", "pk")
+    limits = '[design.subject_to]\nlenth = "<= 80"\n[design.scatter]\nradus = 0.1\n'
+    file.write_text(text.replace("budget", "budjet").replace("seed", "sead") + "foo = 1\n" + limits)
+    with pytest.raises(hc.InputError) as error:
+        hc.load_design(file)
+    head, *found = str(error.value).splitlines()
+    assert head.endswith("5 errors:")
+    assert [line.partition(":")[0].strip() for line in found] == [
+        "unknown keys of [design] 'budjet' (did you mean 'budget'?), 'sead' (did you mean 'seed'?)",
+        "unknown quantities 'pk', 'lenth' (did you mean 'length'?)",
+        "unknown key of radii in [[design.vary]] 'foo'",
+        "unknown key of [design.scatter] 'radus' (did you mean 'radius'?)",
+        "unknown key of [chain] 'masss' (did you mean 'masses'?)",
+    ]
+
+
 STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
 
 

@@ -31,7 +31,7 @@ name                                                    meaning
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final
 
@@ -42,7 +42,7 @@ from ..chain.chain import Chain
 from ..chain.hertz_range import UNKNOWN_YIELD, hertz_range
 from ..collision import Array
 from ..derivatives.equation import has_gradient
-from ..errors import InputError, short_repr, unknown_name_error
+from ..errors import InputError, short_repr, similar_names, unknown_name_error
 from ..pulse.pulse import Pulse
 from ..pulse.quantities import BODY_QUANTITIES, QUANTITIES, WALL_QUANTITIES
 from ..pulse.quantity_names import COLUMNS, full_name
@@ -385,6 +385,19 @@ def check_name(name: object, value: object) -> None:
             f"{name}.{key} needs quotes in a TOML file, because of the dot: write "
             f'"{name}.{key}" = {shown}'
         )
+
+
+def unknown_quantities(names: Iterable[object]) -> Iterator[str]:
+    """Describe by one sentence the names of no quantity, whose place after ``@`` may be wrong."""
+    described = []
+    for part in (part for name in names if isinstance(name, str) for part in name.split("/")):
+        key = part.removeprefix("pulse.").partition("@")[0]
+        if BY_COLUMN.get(key, key) not in NAMES:
+            near = similar_names(part, NAMES)
+            described.append(f"{part!r} (did you mean {near}?)" if near else repr(part))
+    if described:
+        noun = "quantities" if len(described) > 1 else "quantity"
+        yield f"unknown {noun} {', '.join(described)}: choose from {', '.join(NAMES)}"
 
 
 def parse_measure(text: object, chain: Chain | None = None) -> Measure:

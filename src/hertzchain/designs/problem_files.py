@@ -27,20 +27,32 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
 
 from ..chain.chain import Chain
-from ..errors import InputError, errors_at, short_repr, similar_names, unknown_name_error
+from ..errors import (
+    InputError,
+    errors_at,
+    raise_all,
+    short_repr,
+    similar_names,
+    unknown_name_error,
+)
 from ..store.chain_files import chain_from
+from ..store.chain_schema import with_usual_names
+from ..store.schema_checks import check_document, unknown_keys
 from ..store.toml_files import read_toml
 from ..validation.keywords import checked_arguments
 from ..validation.numbers import whole_number
 from ..validation.objects import file_path, shown_path
 from . import vary as variables
 from .balls import SHIPPED
+from .measures import unknown_quantities
 from .problem import Design, Variable
+from .scatter import Scatter
 from .search_budget import budget_from
 
 PROBLEM: Final = (
@@ -121,18 +133,13 @@ def read_design(
     with errors_at(shown_path(path)):
         if not isinstance(table, Mapping):
             raise InputError("it has no table [design] with the objective")
-        for key in table:
-            if key not in (*PROBLEM, *OPTIONS):
-                raise unknown_name_error("key of [design]", key, (*PROBLEM, *OPTIONS))
-        for key in document:
-            if key not in TABLES:
-                raise unknown_name_error("table of a design file", key, TABLES)
+        entries = table.get("vary", [])
+        if isinstance(entries, Mapping):
+            entries = [entries]
+        raise_all([*_unknown_names(document, table, entries)])
         if "chain" not in document:
             raise InputError("it has no table [chain]")
         given = {key: table[key] for key in PROBLEM if key in table}
-        entries = given.pop("vary", [])
-        if isinstance(entries, Mapping):
-            entries = [entries]
         given["vary"] = [_variable(entry, file.parent) for entry in entries]
         if not entries:
             raise InputError(
@@ -148,25 +155,56 @@ def read_design(
     return problem, {key: table[key] for key in OPTIONS if key in table}
 
 
+def _unknown_names(
+    document: Mapping[str, Any], table: Mapping[str, Any], entries: Any
+) -> Iterator[str]:
+    """Describe unknown keys and quantities of all tables, and the other mistakes in [chain]."""
+    for name in document:
+        if name not in TABLES:
+            yield str(unknown_name_error("table of a design file", name, TABLES))
+    known: tuple[str, ...] = (*PROBLEM, *OPTIONS)
+    yield from unknown_keys([key for key in table if key not in known], "[design]", known)
+    goals = (table.get(key) for key in ("minimise", "maximise", "subject_to"))
+    quantities = [
+        name for each in goals for name in ([each] if isinstance(each, str) else each or ())
+        if not (isinstance(each, Mapping) and isinstance(each[name], Mapping))
+    ]  # fmt: skip
+    yield from unknown_quantities(quantities)
+    for entry in entries:
+        if isinstance(entry, Mapping) and len(kinds := _kinds(entry)) == 1:
+            known = variables_of(*kinds)
+            names = [key for key in entry if key not in (*kinds, *known, *PROBLEM, *OPTIONS)]
+            yield from unknown_keys(names, f"{kinds[0]} in [[design.vary]]", known)
+    if isinstance(scatter := table.get("scatter"), Mapping):
+        known = tuple(item.name for item in fields(Scatter))
+        yield from unknown_keys([key for key in scatter if key not in known], "[design.scatter]",
+                                known)  # fmt: skip
+    if "chain" in document:
+        chain = {key: value for key, value in document.items() if key in TABLES}
+        yield from check_document(with_usual_names(chain))
+
+
+def _kinds(entry: Mapping[str, Any]) -> list[str]:
+    """Kinds of variables among the keys of a table, which should be one."""
+    # Diameters of balls are a choice among those of the catalogue.
+    return [key for key in KINDS if key in entry and not (key == "diameters" and "balls" in entry)]
+
+
 def _variable(entry: Any, folder: Path) -> Variable:
     """A variable from its table, whose kind is one of its keys."""
     if not isinstance(entry, Mapping):
         raise InputError(f"[[design.vary]] must be a table, got {short_repr(entry)}")
-    # Diameters of balls are a choice among those of the catalogue.
-    kinds = [key for key in KINDS if key in entry and not (key == "diameters" and "balls" in entry)]
+    kinds = _kinds(entry)
     if len(kinds) != 1:
         keys = ", ".join(map(repr, entry)) or "no key"
         raise InputError(f"each table [[design.vary]] has one of {', '.join(KINDS)}, got {keys}")
     (kind,), rest = kinds, {key: entry[key] for key in entry if key != kinds[0]}
-    known = variables_of(kind)
     for key in rest:
         if key in (*PROBLEM, *OPTIONS):
             raise InputError(
                 f"{key} is a key of [design], not of [[design.vary]]: write it above all tables "
                 "[[design.vary]]"
             )
-        if key not in known:
-            raise unknown_name_error(f"key of {kind} in [[design.vary]]", key, known)
     if kind in SIZES:
         return _sizes(kind, entry[kind], rest)
     if kind == "order":

@@ -139,7 +139,7 @@ def _check_keys(
     for name, value in table.items():
         if name in own:
             yield from problems_of(own[name], value, f"{name} of {place}")
-    yield from _unknown_keys([name for name in table if name not in own], place, known or [*own])
+    yield from unknown_keys([name for name in table if name not in own], place, known or [*own])
     if complete:
         for key in keys:
             if key.required and table.keys().isdisjoint((key.name, key.unless)):
@@ -147,7 +147,7 @@ def _check_keys(
                 yield f"{place} requires {either} ({key.description})"
 
 
-def _unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Iterator[str]:
+def unknown_keys(names: Sequence[str], place: str, known: Sequence[str]) -> Iterator[str]:
     """Describe all unknown keys of a table by one sentence, which lists the known ones once."""
     if not names:
         return

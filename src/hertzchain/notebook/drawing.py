@@ -43,7 +43,7 @@ FAINT = "font-weight:normal;opacity:0.65;font-size:11px"
 class Curve:
     """A curve of a chart; a filled area if it has a lower edge.
 
-    A broad curve is pale, and remains visible behind a thin one that agrees with it.
+    A broad curve is pale, and remains visible behind a thin one that agrees with it, as is an area.
     """
 
     x: Array
@@ -300,7 +300,8 @@ def _curve(curve: Curve, frame: _Frame) -> str:
         x = frame.across(curve.x[kept])
         upper = _points(x, frame.up(curve.y[kept]))
         lower = _points(x[::-1], frame.up(curve.base[kept][::-1]))
-        return f'<path d="M{upper}L{lower}Z" fill="{curve.colour}" fill-opacity="0.8"/>'
+        opacity = 0.25 if curve.broad else 0.8
+        return f'<path d="M{upper}L{lower}Z" fill="{curve.colour}" fill-opacity="{opacity}"/>'
     x, y = thinned(frame.across(curve.x), frame.up(curve.y))
     pieces = np.split(np.arange(len(x)), np.flatnonzero(~np.isfinite(y)))
     runs = [piece[np.isfinite(y[piece])] for piece in pieces]

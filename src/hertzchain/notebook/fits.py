@@ -45,7 +45,7 @@ MODEL_POINTS: Final = 200
 # and of all figures of residuals.
 SIGNAL_COLUMNS: Final = 450
 RESIDUAL_COLUMNS: Final = 200
-MEASURED, MODEL, RESIDUAL = COLOURS[0], COLOURS[1], COLOURS[2]
+MEASURED, MODEL, RESIDUAL, BAND = COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[5]
 
 
 def traces_html(traces: Traces) -> str:
@@ -99,7 +99,8 @@ def fit_html(result: FitResult) -> str:
     about = f"{counted(len(result.names), 'parameter')} from {result.traces.samples} samples"
     return page(
         "FitResult", about, *_notes((verdict,), _names(result)),
-        legend((("data", MEASURED), ("fit", MODEL), ("residual / noise", RESIDUAL))),
+        legend((("data", MEASURED), ("fit", MODEL), ("residual / noise", RESIDUAL),
+                ("±2σ of the noise", BAND))),
         *_figures(result.traces.shots, result.predicted, residuals),
         table(("parameter", "value"), result.rows()),
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
@@ -182,11 +183,17 @@ def _figures(
         if residuals:
             rest = thinned(times, residuals[number], RESIDUAL_COLUMNS // count)
             curve = Curve(*rest, "", RESIDUAL)
-            parts.append(chart([curve], time, "residual", height=RESIDUAL_HEIGHT))
+            parts.append(chart([_band(times), curve], time, "residual", height=RESIDUAL_HEIGHT))
     if (hidden := len(signals) - count) > 0:
         text = f"{counted(hidden, 'more signal')} {'is' if hidden == 1 else 'are'} not shown here"
         parts.append(note(f"{text}; plot() shows all."))
     return parts
+
+
+def _band(times: Array) -> Curve:
+    """Two standard deviations on both sides of 0."""
+    two = np.full(2, 2.0)
+    return Curve(times[[0, -1]], two, "", BAND, base=-two, broad=True)
 
 
 def _notes(texts: Iterable[str], names: Collection[str] = ()) -> list[str]:

@@ -1228,7 +1228,7 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
         "sensor in bead 8, first maximum", "sensor in bead 8, time of first maximum",
         "sensor in bead 8, largest", "sensor in bead 8, time of largest", "right wall, largest",
         "right wall, time of largest", "right wall, peak if contacts yield at 1.6 Y",
-        "right wall, at 2.8 Y", "right wall, impulse of the impact",
+        "right wall, if contacts yield at 2.8 Y", "right wall, impulse of the impact",
         "right wall, duration (impulse / peak)",
     ]  # fmt: skip
     walls = [
@@ -1259,7 +1259,7 @@ def test_the_comparison_has_the_peaks_if_contacts_yield_and_the_warnings_of_both
     ratio = found["right wall, peak if contacts yield at 1.6 Y"][2]
     assert float(ratio.replace("−", "-")) == pytest.approx(b["first"] / a["yielding"], rel=5e-3)
     # It has the same peak at any yield pressure.
-    at_most = found["right wall, at 2.8 Y"][1]
+    at_most = found["right wall, if contacts yield at 2.8 Y"][1]
     assert at_most == found["right wall, peak if contacts yield at 1.6 Y"][1] != "–"
 
 
@@ -1834,6 +1834,13 @@ def test_the_warning_about_dents_is_shown_first(page):
         "the velocity under Strikers"
     )
     assert "yield at 1.6 Y: the yield pressure is assumed to be 1.6" in folded
+    # Of two chains, that whose controls are shown has the first warning.
+    soft = "diameters=9+mm&beads=9&materials=brass&velocity=1+mm/s&struck_by.velocity=1+mm/s"
+    second = "&".join(f"b.{each}" for each in soft.split("&"))
+    tab = page.new_tab(f"{page.origin}{ROW}&velocity=0.25+m/s&struck_by.count=1&{second}")
+    for slot, words in (("A", "A: Contacts would be dented"), ("B", "B: The impact velocity")):
+        tab.click(f"#tab-{slot}")
+        tab.wait_for_selector(f"#warnings-count:has-text('4 warnings: {words}')")
 
 
 def test_constant_forces_have_no_times_in_a_comparison(page):

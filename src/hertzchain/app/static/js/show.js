@@ -228,9 +228,8 @@ function showTitles() {
     $(`title-${slot}`).replaceChildren((state.B ? `${slot}: ` : "") + header.description + difference(slot), ...(header.file ? [make("small", {}, header.file)] : []), ...(kinds.length ? [make("span", { className: "legend" }, ...kinds)] : []));
   }
   const beads = own().beads.header?.beads, given = SLOTS.filter((slot) => state[slot]);
-  const list = [...new Set(given.flatMap((slot) => results[slot].warnings))].map((text) => (state.B ? `${given.filter((slot) => results[slot].warnings.includes(text)).join(" and ")}: ` : "") + upper(text));
-  // Dents change all forces.
-  list.sort((one, two) => Number(dents(two)) - Number(dents(one)));
+  // First those of the chain with the controls; dents change all its forces.
+  const list = [...new Set([state.active, ...given].flatMap((slot) => results[slot].warnings.sort((one, two) => Number(dents(two)) - Number(dents(one)))))].map((text) => (state.B ? `${given.filter((slot) => results[slot].warnings.includes(text)).join(" and ")}: ` : "") + upper(text));
   $("chain-file").textContent = own().beads.header?.chain_file ?? "";
   if (beads) $("bead").max = String(beads);
   if (beads < state.view.bead) select(beads);

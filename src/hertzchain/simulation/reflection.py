@@ -315,13 +315,13 @@ class Reflection(Compared):
         end = measure(self.until, "s", self.chain.units)
         return [
             f"contacts {self.before} to {self.after}, until t = {end}, {ended}",
-            f"energy kept {self.kept_energy:.4f}{self._separated}{self._unexplained}",
+            f"energy kept {self.kept_energy:z.4f}{self._separated}{self._unexplained}",
             f"reflected energy {self.reflected_energy:.4f}{self._nearby}, "
             f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')}"
             f"{'; the waves overlap' if self.overlapping else ''}",
             f"transmitted energy {self.transmitted_energy:.4f}, "
             f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}",
-            f"momentum kept {self.kept_momentum:.4f}",
+            f"momentum kept {self.kept_momentum:z.4f}",
         ]
 
     def __repr__(self) -> str:

@@ -222,7 +222,8 @@ def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope, monkeypat
         lambda *each: replace(compare_traces(*each), exchanged=True),
     )
     header, _ = computed(LAB, sensors=[6], record=record)["run"]
-    assert "wall is not shown" in header["record"]["notes"]
+    assert "wall is not shown until this is corrected" in header["record"]["notes"]
+    assert header["record"]["exchanged"]
 
 
 def keep_of(text):

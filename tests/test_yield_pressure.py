@@ -10,6 +10,7 @@ import pytest
 
 import hertzchain as hc
 from hertzchain.chain.yield_pressure import assumes_pressure, note_on_soft_balls, with_factor
+from hertzchain.plotting.distributions import plot_at_both_pressures
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 ROW = (
@@ -218,6 +219,8 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     assert lines[3].split() == ["nominal", f"{low.nominal:.2f}", "N", f"{high.nominal:.2f}", "N"]
     assert lines[-1].startswith("note: Y: yield strength")
     assert "2.8 Y" not in run(*command, FULL).stdout
+    labels = plot_at_both_pressures(low, high, ("low", "high")).get_legend_handles_labels()[1]
+    assert labels == [f"low: mean {low.mean:.2f} N", f"high: mean {high.mean:.2f} N"]
 
 
 def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):

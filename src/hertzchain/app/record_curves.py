@@ -72,6 +72,7 @@ def record_curves(
     header = {
         "name": record.name, "offset": offset, "curves": curves, "notes": notes,
         "aligned": found is not None,
+        "exchanged": found is not None and found.exchanged,
     }  # fmt: skip
     return header, arrays
 
@@ -97,7 +98,7 @@ def _in_newton(
         reached = float(np.nanmax(np.abs(values - level_of(resolved)))) / abs(scale)
         if reached > ABSURD * largest:
             if found.exchanged:
-                return None, f"{signal.name} is not shown"
+                return None, f"{signal.name} is not shown until this is corrected"
             return None, (f"{signal.name} is not shown: with the fitted scale of {scale:.4g} V/N, "
                           f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]

@@ -31,6 +31,8 @@ from .wording import on_command_line
 from .wrapped_text import show_text
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from ..chain.chain import Chain
     from ..designs.distribution import Distribution
 
@@ -161,9 +163,11 @@ def scatter(
             )
 
     found = simulated(chain)
-    harder = None if as_csv else _at_fully_plastic_pressure(chain, found, simulated)
+    harder = (
+        None if as_csv and plot is None else _at_fully_plastic_pressure(chain, found, simulated)
+    )
     if plot is not None:
-        save_figure(found.plot(), plot)
+        save_figure(_plotted(found, harder), plot)
     if as_json:
         show_json(_document(found, harder))
     elif as_csv:
@@ -205,6 +209,15 @@ def _at_fully_plastic_pressure(
     other = simulated(with_factor(chain, FULLY_PLASTIC), " at the larger yield pressure")
     same = found.nominal == other.nominal and np.array_equal(found.values, other.values)
     return None if same else other
+
+
+def _plotted(found: Distribution, harder: Distribution | None) -> Axes:
+    if harder is None:
+        return found.plot()
+    from ..designs.yield_range import YIELD_HIGH, YIELD_LOW
+    from ..plotting.distributions import plot_at_both_pressures
+
+    return plot_at_both_pressures(found, harder, (YIELD_LOW, YIELD_HIGH))
 
 
 def _document(found: Distribution, harder: Distribution | None) -> dict[str, Any]:

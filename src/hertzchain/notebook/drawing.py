@@ -41,7 +41,7 @@ FAINT = "font-weight:normal;opacity:0.65;font-size:11px"
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """A curve of a chart; a filled area if it has a lower edge.
+    """A curve of a chart; a filled area if it has a lower edge, or separate points.
 
     A broad curve is pale, and remains visible behind a thin one that agrees with it, as is an area.
     """
@@ -52,6 +52,7 @@ class Curve:
     colour: str = COLOURS[0]
     base: Array | None = None
     broad: bool = False
+    separate: bool = False
 
 
 @dataclass(frozen=True)
@@ -302,6 +303,13 @@ def _curve(curve: Curve, frame: _Frame) -> str:
         lower = _points(x[::-1], frame.up(curve.base[kept][::-1]))
         opacity = 0.25 if curve.broad else 0.8
         return f'<path d="M{upper}L{lower}Z" fill="{curve.colour}" fill-opacity="{opacity}"/>'
+    if curve.separate:
+        x, y = frame.across(curve.x), frame.up(curve.y)
+        points = "".join(f"M{a:.1f} {b:.1f}h0" for a, b in zip(x, y, strict=True) if np.isfinite(b))
+        return (
+            f'<path d="{points}" fill="none" stroke="{curve.colour}" stroke-width="2.4" '
+            'stroke-linecap="round"/>'
+        )
     x, y = thinned(frame.across(curve.x), frame.up(curve.y))
     pieces = np.split(np.arange(len(x)), np.flatnonzero(~np.isfinite(y)))
     runs = [piece[np.isfinite(y[piece])] for piece in pieces]

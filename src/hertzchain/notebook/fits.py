@@ -41,10 +41,10 @@ HEIGHT: Final = 130
 RESIDUAL_HEIGHT: Final = 100
 # Approximate number of points of a simulated curve, which is smooth.
 MODEL_POINTS: Final = 200
-# Columns of all figures of signals, in each of which the smallest and the largest sample are drawn,
-# and of all figures of residuals.
+# Columns of all figures of signals, in each of which the smallest and the largest sample are drawn.
 SIGNAL_COLUMNS: Final = 450
-RESIDUAL_COLUMNS: Final = 200
+# Points of all figures of residuals.
+RESIDUAL_POINTS: Final = 450
 MEASURED, MODEL, RESIDUAL, BAND = COLOURS[0], COLOURS[1], COLOURS[2], COLOURS[5]
 
 
@@ -181,8 +181,10 @@ def _figures(
         name = signal.name + (f", shot {shot + 1}" if len(shots) > 1 else "")
         parts.append(chart(curves, time, f"{name}{label}", height=HEIGHT))
         if residuals:
-            rest = thinned(times, residuals[number], RESIDUAL_COLUMNS // count)
-            curve = Curve(*rest, "", RESIDUAL)
+            # Extremes of columns would all be at the edges of the band.
+            some = slice(None, None, -(-len(times) // (RESIDUAL_POINTS // count)))
+            rest = times[some], residuals[number][some]
+            curve = Curve(*rest, "", RESIDUAL, separate=True)
             parts.append(chart([_band(times), curve], time, "residual", height=RESIDUAL_HEIGHT))
     if (hidden := len(signals) - count) > 0:
         text = f"{counted(hidden, 'more signal')} {'is' if hidden == 1 else 'are'} not shown here"

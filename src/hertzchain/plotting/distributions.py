@@ -38,13 +38,40 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
                      label=f"mean: {mean}{shown}")  # fmt: skip
         label = f"{', '.join(MARKED[each] for each in marked)}: {', '.join(places)}{shown}"
         _mark_percentiles(axes, [factor * found.percentile(each) for each in marked], label)
-        label_narrow_axis(axes)
-        axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
-        axes.set_ylabel("number of chains")
-        deviations = with_micro(found.scatter._in_words(found.chain.units))
-        set_title(axes, f"{chain_title(found.chain)}, {deviations}".replace("+-", "±"))
-        place_legend(axes, own=ax is None)
+        _finish(axes, found, unit, own=ax is None)
     return axes
+
+
+def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[str, str]) -> Axes:
+    """Plot histograms of the same random chains at the ends of the range of the yield pressure.
+
+    Dotted lines mark the 95% percentiles, if enough chains determine them.
+    """
+    with figure_style():
+        axes = get_axes(None)
+        factor, unit = usual_unit(low.nominal, low.unit)
+        shown = f" {with_micro(unit)}" if unit != "1" else ""
+        for name, each, colour in zip(names, (low, high), (COLOURS[5], COLOURS[1]), strict=True):
+            marked = [] if each._few_values_note([95.0]) else [95.0]
+            _, mean, *places = _in_words(each, factor, marked)
+            most = "".join(f", 95% below {place}{shown}" for place in places)
+            axes.hist(factor * each.values, bins="auto", color=colour, alpha=0.6,
+                      edgecolor=axes.get_facecolor(), linewidth=0.5,
+                      label=f"{name}: mean {mean}{shown}{most}")  # fmt: skip
+            for percent in marked:
+                axes.axvline(factor * each.percentile(percent), color=colour, linestyle=":")
+        _finish(axes, low, unit, own=True)
+    return axes
+
+
+def _finish(axes: Axes, found: Distribution, unit: str, *, own: bool) -> None:
+    """Label the axes, and name the chain and its deviations."""
+    label_narrow_axis(axes)
+    axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
+    axes.set_ylabel("number of chains")
+    deviations = with_micro(found.scatter._in_words(found.chain.units))
+    set_title(axes, f"{chain_title(found.chain)}, {deviations}".replace("+-", "±"))
+    place_legend(axes, own=own)
 
 
 def _in_words(found: Distribution, factor: float, marked: list[float]) -> list[str]:

@@ -76,5 +76,5 @@ export function showRecord() {
   $("shift").placeholder = shown.aligned ? begins(shown) : "0";
   if (document.activeElement !== $("shift")) $("shift").value = record.shift === null ? "" : String(+(1e6 * record.shift).toPrecision(9));
   $("record-note").textContent = problem || [...aligned, ...(shown.notes ?? [])].join("; ");
-  $("record-note").classList.toggle("bad", problem !== "" || shown.aligned === false);
+  $("record-note").classList.toggle("bad", problem !== "" || shown.aligned === false || shown.exchanged);
 }

@@ -131,6 +131,11 @@ def test_a_figure_of_elastic_contacts_beyond_yield_says_so():
     del runs["gentle"], yielding["gentle"]
     assert figure_title(runs, yielding).startswith("elastic contacts; peaks")
     assert figure_title({"gentle": runs["nylon"]}, {"gentle": (None, None)}) == ""
+    runs["yields"] = hc.simulate(row("9 mm", loss=hc.ElasticPlastic()))
+    assert figure_title(runs, {}) == "yields: contacts yield at 1.6 Y"
+    pulses = [each.pulse() for each in runs.values()]
+    title = hc.plot_pulses(pulses).get_title().replace("\n", " ")
+    assert title.endswith(", contacts yield at 1.6 Y")
 
 
 def test_chains_without_walls_are_compared_by_their_sensors(run, tmp_path):

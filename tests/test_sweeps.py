@@ -1378,6 +1378,7 @@ def test_a_point_that_fails_by_two_methods_counts_once(run, tmp_path):
     assert "(and 2 more points, similarly)" in out
 
 
+@pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
 def test_a_sweep_states_its_assumed_yield_pressure(run, tmp_path):
     spec = {"chain": {"diameters": "8 mm", "beads": 3, "material": "brass", "velocity": "0.1 m/s",
                       "loss": {"law": "elastic-plastic"}},
@@ -1386,9 +1387,17 @@ def test_a_sweep_states_its_assumed_yield_pressure(run, tmp_path):
     note = "the yield pressure is assumed to be 1.6 times the yield strength"
     found = hc.sweep(spec, tmp_path / "store")
     assert found.attrs["yield_pressure"].startswith(note)
+    assert hc.plot_sweep(found, bead=3).get_title().endswith("; contacts yield at 1.6 Y")
     assert f"  note: {note}" in run("sweep", "status", tmp_path / "store")[1]
+    spec["axes"] = {"loss": [{"law": "elastic-plastic"}, {"law": "elastic"}], **spec["axes"]}
+    both = hc.sweep(spec)
+    titles = [hc.plot_sweep(both, bead=3, loss=law).get_title() for law in both.loss.to_numpy()]
+    assert [title.endswith("yield at 1.6 Y") for title in titles] == [True, False]
+    del spec["axes"]["loss"]
     spec["chain"]["loss"]["factor"] = 2.8
-    assert "yield_pressure" not in hc.sweep(spec).attrs
+    found = hc.sweep(spec)
+    assert "yield_pressure" not in found.attrs
+    assert "yield" not in hc.plot_sweep(found, bead=3).get_title()
 
 
 def test_failed_points_are_grouped_by_their_reasons(run, tmp_path):

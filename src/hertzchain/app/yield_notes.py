@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
-from ..chain.materials import FIRST_YIELD, FULLY_PLASTIC
-from ..chain.yield_pressure import ASSUMED_PRESSURE, OTHER_PRESSURE
+from ..chain.materials import FULLY_PLASTIC
+from ..chain.yield_pressure import ASSUMED_PRESSURE, OTHER_PRESSURE, YIELD_ASSUMED
 from ..simulation.run import Run
 from ..simulation.yield_range import depends_on_yield_pressure
 from ..simulation.yielding import (
@@ -19,7 +19,7 @@ from ..validation.objects import Progress
 from .wording import on_the_page
 
 # Label of the peak in a second simulation, of an elastic chain with contacts that yield.
-IF_YIELDING: Final = f"peak if contacts yield at {FIRST_YIELD:g} Y"
+IF_YIELDING: Final = f"peak if {YIELD_ASSUMED}"
 AT_MOST: Final = f"at {FULLY_PLASTIC:g} Y"
 # After labels of peaks that a later force may exceed.
 SO_FAR: Final = " (so far)"

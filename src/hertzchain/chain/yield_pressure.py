@@ -19,6 +19,9 @@ ASSUMED_PRESSURE: Final = (
     f"the yield pressure is assumed to be {FIRST_YIELD:g} times the yield strength; "
     f"up to {FULLY_PLASTIC:g} times is possible"
 )
+# The same in figures and tables.
+LOW: Final = f"at {FIRST_YIELD:g} Y"
+YIELD_ASSUMED: Final = f"contacts yield {LOW}"
 OTHER_PRESSURE: Final = f"use loss=ElasticPlastic(factor={FULLY_PLASTIC:g})"
 # Beside values of many chains, which share the assumption.
 ASSUMED_FOR_ALL: Final = (

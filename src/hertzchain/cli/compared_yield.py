@@ -170,7 +170,22 @@ def limited_pressure_notes(
 
 
 def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
-    """Title of a figure of elastic contacts beyond yield, with the peaks if they yield."""
+    """Title of a figure: the assumed yield pressure, or that elastic contacts are beyond yield.
+
+    The latter is followed by the peaks if they yield, where there is room.
+    """
+    from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
+
+    lawful = [name for name, run in runs.items() if assumes_pressure(run.chain)]
+    beyond = _beyond_yield(runs, yielding)
+    if not lawful:
+        return beyond
+    whose = "" if len(lawful) == len(runs) else f"{listed(lawful)}: "
+    return "; ".join(filter(None, (f"{whose}{YIELD_ASSUMED}", beyond)))
+
+
+def _beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
+    """That elastic contacts are beyond yield, with the peaks if they yield."""
     peaks = {name: peak for name, (peak, _) in yielding.items() if peak is not None}
     if not peaks:
         return ""

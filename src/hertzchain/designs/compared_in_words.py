@@ -7,7 +7,7 @@ from math import isfinite, isnan, nan
 from typing import TYPE_CHECKING, Final, NamedTuple
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
-from ..chain.yield_pressure import assumes_pressure
+from ..chain.yield_pressure import LOW, assumes_pressure
 from ..representation import listed
 from .allowed_sizes import given_beyond_allowed
 from .comparison import (
@@ -30,7 +30,7 @@ from .verified import (
     met,
     violated,
 )
-from .yield_range import LEGEND, LOW, YIELD_HIGH, YIELD_LOW
+from .yield_range import LEGEND, YIELD_HIGH, YIELD_LOW
 
 if TYPE_CHECKING:
     from .result import DesignResult

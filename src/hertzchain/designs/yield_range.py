@@ -19,7 +19,6 @@ FACTORS: Final = (FIRST_YIELD, FULLY_PLASTIC)
 # Headings of values at both yield pressures.
 YIELD_LOW: Final = f"yield {FIRST_YIELD:g} Y"
 YIELD_HIGH: Final = f"yield {FULLY_PLASTIC:g} Y"
-LOW: Final = f"at {FIRST_YIELD:g} Y"
 LEGEND: Final = (
     f"Y: yield strength; contacts yield at a pressure of {FIRST_YIELD:g} to {FULLY_PLASTIC:g} Y, "
     "of which both ends are simulated"

@@ -16,6 +16,7 @@ from matplotlib.gridspec import GridSpecBase
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FIRST_YIELD
+from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
 from ..collision import Array
 from ..designs.comparison import DESIGN, GIVEN, same_as, shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
@@ -152,7 +153,8 @@ def _draw_curves(
         label = f"force on {where}{' [N]' * si}"
     axes.set_ylabel(label)
     axes.margins(x=0.0)
-    place_legend(axes, own=own)
+    title = YIELD_ASSUMED if assumes_pressure(result.chain) else ""
+    place_legend(axes, own=own, title=title)
     return axes
 
 

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from ..chain.chain import Chain
+from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
 from .differences import loss_in_words
 
 
@@ -30,6 +31,12 @@ def numbered(labels: Sequence[str]) -> list[str]:
         seen[label] += 1
         found.append(f"{label} ({seen[label]})" if counts[label] > 1 else label)
     return found
+
+
+def with_assumed_yield(title: str, chains: Sequence[Chain]) -> str:
+    """A title, with the yield pressure that any of the chains assumes."""
+    assumed = YIELD_ASSUMED if any(map(assumes_pressure, chains)) else ""
+    return ", ".join(filter(None, (title, assumed)))
 
 
 def with_losses(chains: Mapping[str, Chain]) -> dict[str, str]:

@@ -70,20 +70,23 @@ class LegendBelow(Legend):
         return Bbox.from_extents(left, box.y0, right, box.y1)
 
 
-def place_legend(axes: Axes, *, own: bool = False) -> None:
+def place_legend(axes: Axes, *, own: bool = False, title: str = "") -> None:
     """Add a legend at a place inside the axes where it covers no data, otherwise above the axes.
 
-    A legend above the axes is below their title.  A figure that was made for these axes becomes
-    taller by the height of the legend, which leaves the axes their size.  In other figures, whose
-    layout may change with the next panels, Matplotlib chooses the place again for each drawing if
-    its choice is good; for a legend that is wider than the axes or has no room above them, the y
-    axis becomes longer, unless a user set its limits or the legend takes most of the height: it is
-    then where it covers least.  Legends of narrow panels have small letters.
+    A legend above the axes is below their title, and may have its own ``title``.  A figure that was
+    made for these axes becomes taller by the height of the legend, which leaves the axes their
+    size.  In other figures, whose layout may change with the next panels, Matplotlib chooses the
+    place again for each drawing if its choice is good; for a legend that is wider than the axes or
+    has no room above them, the y axis becomes longer, unless a user set its limits or the legend
+    takes most of the height: it is then where it covers least.  Legends of narrow panels have small
+    letters.
     """
     if not own and axes.get_autoscaley_on():
         # A legend of curves drawn before may have made the axis longer.
         axes.autoscale_view(scalex=False)
     compact = {} if own else _compact(axes)
+    if title:
+        compact |= _titled(title, compact)
     if _dashed(axes) >= MANY_DASHED:
         compact["handlelength"] = LONG_HANDLE
     legend = axes.legend(loc=PLACES[0], **compact)
@@ -116,6 +119,12 @@ def place_legend(axes: Axes, *, own: bool = False) -> None:
         ).set_in_layout(False)
 
 
+def _titled(title: str, compact: dict[str, Any]) -> dict[str, Any]:
+    """Settings of a title with letters of the size of the labels."""
+    size = compact.get("fontsize", rcParams["legend.fontsize"])
+    return {"title": title, "title_fontsize": size}
+
+
 def _dashed(axes: Axes) -> int:
     """Number of dashed curves with symbols in the legend."""
     return sum(
@@ -139,7 +148,10 @@ def legend_above(figure: Figure, *panels: Axes) -> None:
 
 def put_legend_above(axes: Axes) -> float:
     """Put the legend above axes without a title in a layout; return its height [inch]."""
-    _, legend = _in_columns(axes, _compact(axes), axes.bbox.width)
+    compact, present = _compact(axes), axes.get_legend()
+    if present is not None and (title := present.get_title().get_text()):
+        compact |= _titled(title, compact)
+    _, legend = _in_columns(axes, compact, axes.bbox.width)
     return float(legend.get_window_extent().height / figure_of(axes).dpi)
 
 

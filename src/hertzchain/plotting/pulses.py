@@ -33,7 +33,7 @@ from .free_ends import (
     open_style,
     unlist_hidden_ends,
 )
-from .labels import distinguish, numbered
+from .labels import distinguish, numbered, with_assumed_yield
 from .legends import place_legend
 from .looks import Look, line_style, looks_of, share_colours
 from .residuals import hidden_difference, relative_difference
@@ -198,7 +198,7 @@ def plot_pulses(
         if lower is not None:
             _draw_lower(lower, pulses, quantity, looks, reference)
             lower.set_xlim(axes.get_xlim())
-        set_title(axes, literal(title))
+        set_title(axes, literal(with_assumed_yield(title, [each.chain for each in pulses])))
         show_band(axes, pulses, quantity, keep=bool(present) or log)
         unlist_hidden_ends(axes)
         _finish(axes, lower, legend=legend, own=ax is None)

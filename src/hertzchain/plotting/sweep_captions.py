@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Final
 
+from ..chain.laws.elastic_plastic import ElasticPlastic
+from ..chain.yield_pressure import YIELD_ASSUMED
 from ..representation import counted
 from .methods import name_of
 from .style import literal
@@ -31,8 +33,20 @@ def caption_of(dataset: xr.Dataset, drawn: xr.DataArray, reference: str | None) 
         *(coordinate_text(value, str(name)) for name, value in drawn.coords.items()
           if value.ndim == 0 and name not in only),
         f"relative to {name_of(reference)}" if reference is not None else "",
+        YIELD_ASSUMED if "yield_pressure" in dataset.attrs and _may_yield(drawn) else "",
     ]  # fmt: skip
     return [part for part in (*caption, *together_in_words(drawn)) if part]
+
+
+def _may_yield(drawn: xr.DataArray) -> bool:
+    """Whether the values are not all those of a selected law without yield."""
+    laws = [
+        value
+        for name, value in drawn.coords.items()
+        if value.dtype.kind not in "ifb" and "loss" in f"{name} {value.attrs.get('long_name')}"
+    ]
+    return all(any(ElasticPlastic.name in str(law) for law in value.to_numpy().ravel())
+               for value in laws)  # fmt: skip
 
 
 def words_of_flags(

@@ -23,6 +23,7 @@ from ..chain.description import (
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
 from ..chain.walls import Wall
+from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
 from ..representation import measure
 from .style import literal
 
@@ -151,9 +152,11 @@ def wall_in_words(chain: Chain, wall: Wall | None, end: int = -1) -> str:
 
 
 def loss_in_title(chain: Chain) -> str:
-    """Such as ``restitution 0.95``, or ``with losses``."""
+    """Such as ``restitution 0.95``, the assumed yield pressure, or ``with losses``."""
     if isinstance(chain.loss, Restitution):
         return f"restitution {chain.loss.coefficient:g}"
+    if assumes_pressure(chain):
+        return YIELD_ASSUMED
     return "" if chain.lossless else "with losses"
 
 

@@ -34,7 +34,7 @@ const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, 
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
 /** Words of peaks with contacts that yield, and labels of those at the largest yield pressure. */
-const OF_YIELD = /yield|at [\d.]+ Y/, AT_MOST = /(, |force )if contacts yield at [\d.]+ Y/;
+const OF_YIELD = /yield|at [\d.]+ Y/, AT_MOST = /2.8 Y/;
 /** Ratio of the durations of two runs from which the shorter one is shown alone. */
 const MUCH = 3;
 const BEADS = { xLabel: "bead k", counted: true };
@@ -251,10 +251,11 @@ export class Views {
     /** @type {Map<string, any[]>} */
     const found = new Map();
     const chains = state.active === "A" ? [own, other] : [other, own], alike = own.beads.header.strikers === other.beads.header.strikers;
+    const open = chains.flatMap(forcesOf).some(({ shown: [[words]] }) => /^la/.test(words));
     chains.forEach((chain, i) => {
       const numbers = forcesOf(chain).flatMap(({ label, ball = label, shown, impact = [] }) => [...shown.flatMap(([words, force, time]) => {
-        // A peak that is complete is compared with the largest force of another run.
-        const what = words.replace(/^(peak$|largest.*)/, "largest").replace(/^at/, "if contacts yield at");
+        // A complete peak is compared with the largest force of another run.
+        const what = words.replace(open ? /^(peak$|largest.*)/ : /^largest.*/, "largest").replace(/^at/, "peak if contacts yield at");
         return [[what, force, "N"], [`time of ${what}`, time, "s"]];
       }), ...impact.map(([what, ...each]) => [what.replace(/ above.*/, ""), ...each])].filter(([, value]) => value !== null).map(([what, value, unit]) => [`${alike ? label : ball}, ${what}`, unit, value]));
       numbers.push(["velocity of the last bead", "m/s", chain.exact("velocity")?.at(-1)], ["arrival there", "s", chain.exact("arrival")?.at(-1)]);

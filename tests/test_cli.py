@@ -985,6 +985,9 @@ def test_a_dry_run_states_what_the_estimate_does_not_contain(run, tmp_path):
     assert code == 0
     assert re.search(r"at most \d+ bytes of values on disk, and metadata, in about 13 files", out)
     assert "without starting and compiling" in out
+    code, _, err = run("sweep", file, "--dry-run", "--store", file)
+    assert code == 2
+    assert "is not the store of a sweep" in err
 
 
 def test_a_dry_run_shows_the_names_of_axes_that_differ_in_the_results(run, tmp_path):

@@ -840,7 +840,9 @@ diameters = ["5 mm", "10 mm"]
 "wall_force.impulse_of_impact" = "<= 1e-9 N*s"
 """
     file.write_text(text)
-    shown = run(file, "--dry-run").stdout
+    found = run(file, "--dry-run")
+    assert found.exit_code == run(file, "--dry-run", "--json").exit_code == 3
+    shown = found.stdout
     assert "cannot be met" in shown
     assert "so no search is made" in shown
     assert "for the whole budget" not in shown

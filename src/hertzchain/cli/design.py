@@ -93,8 +93,7 @@ def design(
     given = {"budget": budget, "method": method, "seed": seed}
     options |= {name: value for name, value in given.items() if value is not None}
     if dry_run:
-        _show_estimate(problem, options | {"threads": threads}, as_json)
-        return DONE
+        return _show_estimate(problem, options | {"threads": threads}, as_json)
     target = Path(f"{file.stem}.design") if store is None else store
     unit = "simulations" if _counts(options.get("budget")) else "seconds"
     resume = f"trials are in {target}; run the same command again to resume"
@@ -115,16 +114,17 @@ def design(
     return DONE if met_if_yielding(result) else OUTSIDE_TOLERANCE
 
 
-def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None:
+def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> int:
     from ..designs.bounds import note_on_impact
     from ..designs.design import dry_run
     from ..designs.dry_run import in_lines
     from ..validation.json_types import finite
 
     found = dry_run(problem, **options)
+    code = DONE if found.impossible is None else OUTSIDE_TOLERANCE
     if not as_json:
         show_text(on_command_line(in_lines(problem, found)))
-        return
+        return code
     show_json({
         "objectives": [*map(str, problem.objectives)],
         "method": found.method, "size": found.size, "compared": found.compared,
@@ -134,6 +134,7 @@ def _show_estimate(problem: Any, options: dict[str, Any], as_json: bool) -> None
         "seconds_per_trial": found.trial, "seconds": found.seconds,
         "notes": note_on_impact(problem),
     })  # fmt: skip
+    return code
 
 
 def _counts(budget: Any) -> bool:

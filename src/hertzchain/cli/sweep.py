@@ -116,10 +116,10 @@ def run(
     if scheduler is not None and (processes or workers is not None):
         raise click.UsageError("--scheduler has its own workers; omit --processes and --workers")
     part = _shard(shard)
-    if dry_run:
-        _show_estimate(specification, workers, as_json)
-        return DONE
     target = _store_of(specification, part) if store is None else store
+    if dry_run:
+        _show_estimate(specification, target, workers, as_json)
+        return DONE
     with ExitStack() as stack:
         pool = stack.enter_context(_pool(scheduler, processes, workers))
         progress = stack.enter_context(progress_bar("points done", rate=True))
@@ -307,12 +307,12 @@ def _place(text: str) -> tuple[str, Any]:
     return name, as_typed(value)
 
 
-def _show_estimate(specification: Path, workers: int | None, as_json: bool) -> None:
+def _show_estimate(specification: Path, store: Path, workers: int | None, as_json: bool) -> None:
     from ..sweeps.sweep import estimate
 
     if sys.stderr.isatty():
         click.echo("computing a few points to estimate the time", err=True)
-    found = estimate(specification, workers=workers)
+    found = estimate(specification, workers=workers, store=store)
     if as_json:
         show_json({
             "points": found.points, "batches": found.batches,

@@ -40,7 +40,6 @@ from .timing import time_per_point
 if TYPE_CHECKING:
     import xarray as xr
 
-
 # Fraction of the free disk or memory that a sweep may use.
 USABLE_PART: Final = 0.95
 # Approximate number of files of a store without batches.
@@ -191,15 +190,15 @@ def _target(
     return found, [int(batch) for batch in found.missing()], Path(os.path.realpath(store))
 
 
-def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
+def estimate(specification: Any, *, workers: int | None = None, store: Any = None) -> Estimate:
     """Estimate the time and size of a sweep from its specification and a few timed points.
 
     Parameters
     ----------
     specification : path-like, mapping or Specification
         As in `sweep`.
-    workers : int, optional
-        Number of threads; by default, one per processor.
+    workers, store : optional
+        As in `sweep`; the store is not changed.
 
     Raises
     ------
@@ -217,6 +216,8 @@ def estimate(specification: Any, *, workers: int | None = None) -> Estimate:
     spec = read_specification(specification)
     plan = Plan(spec)
     check_plan(plan, _heading(specification))
+    if store is not None and os.path.exists(store):  # noqa: PTH110
+        _check_same(SweepStore(store), spec.as_json(), f"the store {os.fspath(store)!r}")
     each = time_per_point(spec)
     seconds = each.seconds * plan.points / count
     # Each batch has a file of each variable and of its digest; one of reasons is rare.

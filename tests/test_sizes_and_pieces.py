@@ -209,7 +209,10 @@ def test_sizes_in_a_file_and_as_options(tmp_path, run):
         (["--material", "brass", "--diameter", "10"], "--diameter '10 mm'"),
         (["--material", "brass", "--radius", "10 mm:5"], "--radius 5 has no unit"),
         (["--material", "brass", "--radius", "5 mm", "--speed", "2"], "--speed '2 m/s'"),
-        (["--material", "brass", "--radius", "5 mm", "--wall", "wood"], "same, rigid, none, a material"),
+        (
+            ["--material", "brass", "--radius", "5 mm", "--wall", "wood"],
+            "same, rigid, none, a material",
+        ),
         (["--diameter", "2:1", "--radius", "2:1"], "not both"),
         (["--diameter", "2:1", "--rate", "0.1"], "omit --rate"),
         (["--taper", "linear"], "--taper linear requires two sizes"),

@@ -9,9 +9,11 @@ from pathlib import Path
 import pytest
 
 from hertzchain.app.static_files import static_files
+from hertzchain.app.yield_notes import AT_MOST, IF_YIELDING
 
 ROOT = Path(__file__).parents[1]
 TOOLS = ROOT / "tools/page"
+VIEWS = ROOT / "src/hertzchain/app/static/js/views.js"
 NODE = shutil.which("node")
 
 needs_node = pytest.mark.skipif(NODE is None, reason="code of the page not tested: no node")
@@ -71,3 +73,9 @@ def test_the_page_obeys_its_own_policy():
             assert not re.search(r"innerHTML\s*=|\beval\(|new Function|insertAdjacentHTML", text)
         if path.endswith(".html"):
             assert not re.search(r'\sstyle="|\son\w+="|<script>', text)
+
+
+def test_the_page_knows_the_label_of_the_largest_yield_pressure():
+    (pattern,) = re.findall(r"AT_MOST = /(.+?)/;", VIEWS.read_text("utf-8"))
+    assert re.search(pattern, AT_MOST)
+    assert not re.search(pattern, IF_YIELDING)

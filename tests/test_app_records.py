@@ -214,7 +214,7 @@ def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope, monkeypat
     said = r"wall is not shown: with the fitted scale of .* V/N, it would reach"
     assert any(re.search(said, each) for each in shown["notes"])
     # The page draws the samples without their level, and the simulation as it is.
-    level = "before the pulse, wall is at 500 mV; the samples are drawn without this level; "
+    level = "before the pulse, wall is at 500 mV; the comparison is without this level; "
     assert any(each.startswith(level) for each in shown["notes"])
     # If columns are exchanged, this scale means nothing.
     monkeypatch.setattr(

@@ -88,7 +88,7 @@ def test_a_given_quantity_is_shown_alone(run, tmp_path):
 
 
 def test_only_simulate_repeats_the_speed(run):
-    words = "Several ones are compared if it is repeated."
+    words = "Repeat it to compare several."
     for command, count in (("simulate", 2), ("scatter", 0), ("app", 0)):
         assert " ".join(run(command, "--help")[1].split()).count(words) == count
 

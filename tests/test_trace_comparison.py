@@ -585,7 +585,7 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     assert shifted.sensors[0].residual == pytest.approx(plain.sensors[0].residual, rel=1e-9)
     np.testing.assert_allclose(shifted.scaled[0] - plain.scaled[0], 0.0125 * 4.0, rtol=1e-9)
     volts, newtons = (each for each in shifted.notes if "before the pulse" in each)
-    assert "before the pulse, ball 5 is at 49.9 mV; the simulation is shifted to this" in volts
+    assert "before the pulse, ball 5 is at 49.9 mV; the comparison is without this" in volts
     assert "in a fit, free 'offset[ball 5]'" in volts
     assert "before the pulse, wall is at 4 N, the simulation at 0 N" in newtons
     columns = {
@@ -594,7 +594,7 @@ def test_the_level_before_the_pulse_does_not_change_a_comparison():
     }
     both = simulated(7e-4).compare(hc.Traces.from_arrays(traces().shots[0].times, columns)).notes
     (said,) = (each for each in both if "before the pulse" in each)
-    assert "and wall at -20 mV; the simulation is shifted to these levels" in said
+    assert "and wall at -20 mV; the comparison is without these levels" in said
     assert said.endswith("in a fit, free 'offset[*]'")
     assert not any("before the pulse" in each for each in plain.notes)
 

@@ -219,7 +219,12 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     assert lines[3].split() == ["nominal", f"{low.nominal:.2f}", "N", f"{high.nominal:.2f}", "N"]
     assert lines[-1].startswith("note: Y: yield strength")
     assert "2.8 Y" not in run(*command, FULL).stdout
-    labels = plot_at_both_pressures(low, high, ("low", "high")).get_legend_handles_labels()[1]
+    assumed = hc.distribution(row(loss=hc.ElasticPlastic()), "wall_force.peak",
+                              hc.Scatter(0.01, samples=4), seed=1)  # fmt: skip
+    assert "1.6 Y" in assumed.plot().get_title()
+    axes = plot_at_both_pressures(assumed, high, ("low", "high"))
+    assert "1.6 Y" not in axes.get_title()
+    labels = axes.get_legend_handles_labels()[1]
     assert labels == [f"low: mean {low.mean:.2f} N", f"high: mean {high.mean:.2f} N"]
 
 

@@ -13,7 +13,6 @@ from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..fitting.compare_traces import compare_traces
 from ..fitting.compared_run import run_to_compare
-from ..fitting.comparison_notes import SHIFTED
 from ..fitting.trace_comparison import TraceComparison
 from ..recorded_warnings import ignore_warnings
 from ..representation import listed
@@ -29,8 +28,6 @@ MAX_SAMPLES: Final = 6000
 # Scaled samples beyond this multiple of the largest simulated force belong to another signal: they
 # are not drawn, because all other curves would lie on the axis.
 ABSURD: Final = 30.0
-# The page shifts the samples, and not the simulation as the comparison does.
-SHOWN_WITHOUT: Final = "the samples are drawn without"
 
 
 def record_curves(
@@ -48,7 +45,7 @@ def record_curves(
             begin = float(shot.times[0])
             run = run_to_compare(chain, record.traces, begin, most=MAX_TIMES, progress=progress)
             found = compare_traces(run, record.traces)
-        notes += (each.replace(SHIFTED, SHOWN_WITHOUT) for each in found.notes)
+        notes += found.notes
     except (InputError, SimulationError) as error:
         notes.append(f"not aligned: {error}")
     offset = 0.0 if found is None else found.time_offset

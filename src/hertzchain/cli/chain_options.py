@@ -28,7 +28,7 @@ from .options import Fraction, as_typed, require_unit
 if TYPE_CHECKING:
     from ..chain.chain import Chain
 
-REPEATED: Final = "  Several ones are compared if it is repeated."
+REPEATED: Final = "  Repeat it to compare several."
 
 
 class ImpactOption(click.Option):
@@ -36,9 +36,10 @@ class ImpactOption(click.Option):
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
         """Names and help of the option."""
-        if ctx.command.name != "simulate" and self.help is not None:
-            self.help = self.help.replace(REPEATED, "")
-        return super().get_help_record(ctx)
+        found = super().get_help_record(ctx)
+        if found is None or ctx.command.name == "simulate":
+            return found
+        return found[0], found[1].replace(REPEATED, "")
 
 
 # Options of the impact.

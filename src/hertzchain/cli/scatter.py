@@ -110,7 +110,7 @@ def scatter(
     count: int, seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
     plot: Path | None,
 ) -> int:  # fmt: skip
-    """Show how a quantity varies if sizes, speed, ... scatter.
+    """Show how much random deviations change a quantity.
 
     Many chains with random deviations are simulated, and the distribution of the quantity is
     printed.  All else is as in the given chain.  If there is no striker, bead 1 is the projectile,
@@ -258,11 +258,10 @@ def _rows(found: Distribution) -> dict[str, float]:
     return rows | {f"{percent}% are below": found.percentile(percent) for percent in PERCENTILES}
 
 
-def _column(found: Distribution) -> list[str]:
+def _column(found: Distribution, factor: float, unit: str) -> list[str]:
     """The same values in words."""
-    from ..representation import usual_unit, with_decimals
+    from ..representation import with_decimals
 
-    factor, unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
     values = [factor * value for value in _rows(found).values()]
     shown = with_decimals(values, factor * found.standard_deviation)
     return [f"{value} {unit}".rstrip() for value in shown]
@@ -271,19 +270,20 @@ def _column(found: Distribution) -> list[str]:
 def _table(found: Distribution, harder: Distribution | None) -> str:
     """Lines with values, each also relative to the nominal chain."""
     from ..designs.yield_range import YIELD_HIGH, YIELD_LOW
-    from ..representation import with_decimals
+    from ..representation import usual_unit, with_decimals
 
     rows, good = _rows(found), len(found.values)
     lines = [found.chain.description]
     lines.append(f"{found.quantity}: {good} of {good + found.failed} random chains")
-    columns = [_column(found), [""] * len(rows)]
+    unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
+    columns = [_column(found, *unit), [""] * len(rows)]
     if found.nominal:
         relative = [100.0 * value / found.nominal for value in rows.values()]
         spread = 100.0 * found.standard_deviation / abs(found.nominal)
         columns[1] = ["", *(f"{part}%" for part in with_decimals(relative, spread)[1:])]
     names = [*rows]
     if harder is not None:
-        columns.append(_column(harder))
+        columns.append(_column(harder, *unit))
         names.insert(0, "")
         headings = YIELD_LOW, "", YIELD_HIGH
         for heading, column in zip(headings, columns, strict=True):

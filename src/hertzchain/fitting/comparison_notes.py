@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Final
 
 import numpy as np
 
@@ -15,9 +14,6 @@ from ..traces.signals import Shot
 from .misread_columns import POLARITY, PROBES, advice_on_amplitude, prefix_of, usual_factor
 from .sensor_comparison import COMPLETE, NOTED, SensorComparison, scale_of
 from .shown_values import shown_ratio
-
-# How a note states that the simulation follows the levels of sensors.
-SHIFTED: Final = "the simulation is shifted to"
 
 
 def unit_notes(sensors: Sequence[SensorComparison], outside: Collection[str]) -> list[str]:
@@ -75,7 +71,7 @@ def level_notes(shot: Shot, signals: Sequence[Array], columns: Sequence[Array]) 
 
 
 def _shift_notes(levels: Mapping[str, str], sensors: int) -> list[str]:
-    """A note on uncalibrated sensors with an offset, to whose levels the simulation is shifted."""
+    """A note on uncalibrated sensors with an offset, which is not a part of the difference."""
     if not levels:
         return []
     several = len(levels) > 1
@@ -84,7 +80,7 @@ def _shift_notes(levels: Mapping[str, str], sensors: int) -> list[str]:
         f"{name} {'is ' * (k == 0)}at {level}" for k, (name, level) in enumerate(levels.items())
     ]
     return [
-        f"before the pulse, {listed(shown)}; {SHIFTED} "
+        f"before the pulse, {listed(shown)}; the comparison is without "
         f"{'these levels' if several else 'this level'}; in a fit, free "
         f"{listed([repr(f'offset[{name}]') for name in names])}"
     ]

@@ -147,8 +147,7 @@ def _values(chain: Chain, field: str) -> list[Any]:
 
 def words_of_loss(law: Loss, units: str, digits: int = DIGITS[0]) -> str:
     """The law in words, with the spelling of figures, such as ``viscoelastic 0.5 µs``."""
-    words = law_with_value(law, units, digits)
-    return with_micro(words.replace(law.name, law.words or law.name, 1))
+    return with_micro(law_with_value(law, units, digits, law.words))
 
 
 def loss_in_words(chain: Chain, digits: int = DIGITS[0]) -> str:

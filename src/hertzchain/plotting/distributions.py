@@ -60,7 +60,8 @@ def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[s
                       label=f"{name}: mean {mean}{shown}{most}")  # fmt: skip
             for percent in marked:
                 axes.axvline(factor * each.percentile(percent), color=colour, linestyle=":")
-        _finish(axes, low, unit, own=True)
+        # The title of the first one would name its pressure alone.
+        _finish(axes, high, unit, own=True)
     return axes
 
 

@@ -16,7 +16,7 @@ def given_numbers(law: Loss) -> dict[str, tuple[float, str]]:
     }
 
 
-def law_with_value(law: Loss, units: str, digits: int = 4) -> str:
+def law_with_value(law: Loss, units: str, digits: int = 4, name: str = "") -> str:
     """Such as ``restitution 0.95``, ``viscoelastic 0.5 us``, ``elastic-plastic`` or ``no loss``."""
     if isinstance(law, Elastic):
         return "no loss"
@@ -28,6 +28,7 @@ def law_with_value(law: Loss, units: str, digits: int = 4) -> str:
     usual = type(law).__dataclass_fields__.get("attractive")
     if usual is not None and (pulls := vars(law)["attractive"]) != usual.default:
         told.append("attractive" if pulls else "without attraction")
+    name = name or law.name
     if single and len(told) == 1:
-        return f"{law.name} {told[0]}"
-    return f"{law.name} ({', '.join(told)})" if told else law.name
+        return f"{name} {told[0]}"
+    return f"{name} ({', '.join(told)})" if told else name

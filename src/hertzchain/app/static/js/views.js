@@ -34,7 +34,7 @@ const letters = ({ active, B }) => !B ? ["", ""] : active === "A" ? ["A, ", "B, 
 /** Final velocities below this part of the largest are 0: they are errors of the simulation. */
 const AT_REST = 1e-7;
 /** Words of peaks with contacts that yield, and labels of those at the largest yield pressure. */
-const OF_YIELD = /yield|at [\d.]+ Y/, AT_MOST = /2.8 Y/;
+const OF_YIELD = /yield|at [\d.]+ Y/, AT_MOST = /2\.8 Y/;
 /** Ratio of the durations of two runs from which the shorter one is shown alone. */
 const MUCH = 3;
 const BEADS = { xLabel: "bead k", counted: true };

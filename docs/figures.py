@@ -234,7 +234,7 @@ def sweep() -> Figure:
                 with plt.rc_context({"hatch.color": "white", "hatch.linewidth": 1.2}):
                     axes.contourf(*place, levels=[0.01, np.inf], colors="none", hatches=["//"])
                 axes.contour(*place, levels=[0.01], colors="white", linewidths=1.2)
-            axes.set_xlabel("$S$" if taper.endswith("linear") else "$q$")
+            axes.set_xlabel("taper rate " + ("$S$" if taper.endswith("linear") else "$q$"))
             axes.set_ylabel("beads $N$")
             axes.set_title(taper)
             axes.xaxis.set_major_locator(MaxNLocator(4))

@@ -31,12 +31,13 @@ def steps() -> Figure:
         axes.set_xlabel("bead $k$")
         axes.set_ylabel("velocity $v_k$")
         label_lines(axes, law="-", simulation="o+xs")
-        axes.legend(loc="lower left", ncols=2)
+        axes.legend(loc="lower left", ncols=2, title="step of the radius by the factor $f$")
     return canvas
 
 
 def strikers() -> Figure:
     """Velocities ahead of strikers of several masses, and the waves of heavy ones."""
+    ratio = r"mass of the striker / mass of a bead, $\mu$"
     with figure_style():
         canvas, (left, right) = plt.subplots(1, 2, figsize=(7.3, 3.6))
         for i, mass in enumerate((0.25, 1.0, 4.0)):
@@ -47,7 +48,7 @@ def strikers() -> Figure:
         left.set_ylabel("velocity $v_k$")
         left.set_xlim(1.0, 45.0)
         label_lines(left, law="-", simulation="o+x")
-        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, title=ratio)
         wave = hc.solitary_wave()
         momentum, energy = wave.momentum_constant, wave.energy_constant
         particle = momentum**2 / (2.0 * energy)
@@ -63,7 +64,7 @@ def strikers() -> Figure:
         right.set_ylabel("peak velocity")
         right.set_xticks(range(1, 11))
         label_lines(right, formula="-")
-        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, title=ratio)
     return canvas
 
 
@@ -135,7 +136,7 @@ def lossy_law() -> Figure:
             chain = hc.Chain.from_radii(turning).replace(loss=loss)
             exact, law = hc.simulate(chain, times=0).pulse(), _longest(turning, loss)
             right.plot(law.bead[:-3], law.velocity[:-3], color=COLOURS[i],
-                       label=f"$w$ = {loss.ratio:g}")  # fmt: skip
+                       label=f"unloading ratio {loss.ratio:g}")  # fmt: skip
             right.plot(exact.bead, exact.velocity, MARKERS[i], color=COLOURS[i],
                        markerfacecolor="none", markevery=(3 * i, 8))  # fmt: skip
         for axes in (left, right):
@@ -190,14 +191,14 @@ def gradients() -> Figure:
                   markersize=7, label="gradient")  # fmt: skip
         left.plot(beads, differences, "x", color=COLOURS[2], label="central differences")
         left.set_xlabel("bead $k$")
-        left.set_ylabel(r"$\partial F/\partial R_k$")
+        left.set_ylabel("change of the force with\na radius, $\\partial F/\\partial R_k$")
         left.set_xticks(range(2, 21, 3))
         left.legend()
         right.loglog(steps_of_gap, errors, "o-", color=COLOURS[2])
         right.loglog(steps_of_gap, errors[2] * np.sqrt(steps_of_gap / steps_of_gap[2]), "--",
                      color="0.5", label=r"proportional to $\sqrt{\varepsilon}$")  # fmt: skip
         right.set_xlabel(rf"gap $\varepsilon$ at contact {contact}")
-        right.set_ylabel("relative deviation of the quotient")
+        right.set_ylabel("relative deviation of the\ndifference quotient")
         right.legend()
     return canvas
 

@@ -106,7 +106,7 @@ def growth_and_memory() -> Figure:
         left.annotate("exact", (-0.13, 0.13), xytext=(0, -18), textcoords="offset points",
                       color=COLOURS[0])  # fmt: skip
         left.annotate("BCA", (-0.11, 0.165), color=bca_colour)
-        left.set_xlabel("rate $s$")
+        left.set_xlabel("rate $s$ (change of $\\ln R$ per bead)")
         left.set_ylabel(r"growth per bead $\sigma = \ln(v_{k+1}/v_k)$")
         changed, beads = 60, np.arange(-3, 15)
         for i, rate in enumerate((-0.1, 0.0, 0.1)):
@@ -117,8 +117,10 @@ def growth_and_memory() -> Figure:
             right.plot(beads, response, "o-", color=COLOURS[i], label=f"$s$ = {signed(rate)}")
         right.set_xticks(beads[::3])
         right.set_xlabel("bead $k - j$")
-        right.set_ylabel(r"$\partial\ln v_k/\partial s_j$")
-        right.legend()
+        right.set_ylabel(
+            "response of the velocity to a\nchange of rate, $\\partial\\ln v_k/\\partial s_j$"
+        )
+        right.legend(title="rate")
     return canvas
 
 
@@ -183,9 +185,9 @@ def free_end() -> Figure:
                           markerfacecolor="none", label=None if style else f"$s$ = {signed(rate)}",
                           **style)  # fmt: skip
         left.set_xlabel("bead, counted from the last one: $k - N$")
-        left.set_ylabel(r"$v_k\,/\,(e^{\sigma(s)}\,v_{k-1})$")
+        left.set_ylabel("growth relative to a long chain,\n$v_k\\,/\\,(e^{\\sigma(s)}\\,v_{k-1})$")
         label_lines(left, law="-", simulation="o+x")
-        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        left.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, title="rate")
         beads = np.arange(9, 41)
         for i, exponent in enumerate((1.5, 1.6)):
             errors = [
@@ -202,7 +204,7 @@ def free_end() -> Figure:
         right.set_xlabel("number of beads")
         right.set_ylabel("error of the last bead [%]")
         label_lines(right, error="-", estimate="--")
-        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2)
+        right.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, title="exponent")
     return canvas
 
 
@@ -243,9 +245,9 @@ def exponents_of_the_law() -> Figure:
             rates = np.linspace(max(lowest, -0.12), 0.3, 60)
             growth = np.array([_growth(rate, p) for rate in rates])
             axes.plot(rates, bca_growth(rates) - growth, color=COLOURS[i], label=f"$p$ = {p:g}")
-        axes.set_xlabel("rate $s$")
+        axes.set_xlabel("rate $s$ (change of $\\ln R$ per bead)")
         axes.set_ylabel("growth $\\sigma$ per bead: BCA \N{MINUS SIGN} exact")
-        axes.legend()
+        axes.legend(title="exponent")
     return canvas
 
 

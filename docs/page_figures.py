@@ -165,7 +165,7 @@ def many_chains() -> Figure:
         right.bar(np.arange(2, 41), gradient[1:], color=COLOURS[1])
         right.set_xlabel("bead $j$, from 2")
         right.xaxis.set_major_locator(BeadLocator())
-        right.set_ylabel(r"$\partial\ln F_{30} / \partial\ln R_j$")
+        right.set_ylabel("sensitivity of the force,\n$\\partial\\ln F_{30} / \\partial\\ln R_j$")
     return canvas
 
 

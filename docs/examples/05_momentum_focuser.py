@@ -36,7 +36,7 @@ axes.bar(np.arange(1, N + 1), by_radius)
 axes.set_xticks([1, 5, 10, 15, 20])
 axes.set_title("Sensitivity of the last ball's momentum to each radius")
 axes.set_xlabel("bead $j$")
-axes.set_ylabel(r"$\partial\ln P_{20} / \partial\ln R_j$")
+axes.set_ylabel("sensitivity of the momentum,\n$\\partial\\ln P_{20} / \\partial\\ln R_j$")
 
 # %%
 # The striker and the last ball are given.  Of the others, those next to the two ends matter most,

@@ -116,7 +116,7 @@ def rattling() -> Figure:
 
 
 def _reflected(radius: float) -> float:
-    """Reflected part of the energy at a step from radius 1 to another one."""
+    """Reflected fraction of the energy at a step from radius 1 to another one."""
     chain = hc.Chain.from_radii(np.where(np.arange(120) < 60, 1.0, radius))
     return hc.simulate(chain, until=150.0, times=3000).reflection(50, 72).reflected_energy
 
@@ -136,7 +136,7 @@ def interfaces() -> Figure:
         left.plot(radii, [_reflected(radius) for radius in radii], MARKERS[0], color=COLOURS[2],
                   label="simulation")  # fmt: skip
         left.set_xlabel("radius of the second half")
-        left.set_ylabel("reflected part of the energy")
+        left.set_ylabel("reflected fraction of the energy")
         left.legend(loc="lower right")
         ratio = ((8.0 - 1.0) / (8.0 + 1.0)) ** 1.2
         right.semilogy(number, ratio ** (number - 1.0), color=COLOURS[1])
@@ -165,7 +165,7 @@ def impurities() -> Figure:
         axes.loglog(ratios, reflected, MARKERS[0], color=COLOURS[2], label="simulation")
         axes.set_ylim(2e-4, 1.5)
         axes.set_xlabel("mass ratio $\\mu$")
-        axes.set_ylabel("reflected part of the energy")
+        axes.set_ylabel("reflected fraction of the energy")
         axes.legend(loc="lower right")
     return canvas
 

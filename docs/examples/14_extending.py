@@ -37,7 +37,7 @@ chain
 # --------
 #
 # A theory is a function that returns a ``Pulse``.  This one assumes that the kinetic energy of the
-# bead at the crest is a constant part of the energy of the impact, that of the solitary wave of
+# bead at the crest is a constant fraction of the energy of the impact, that of the solitary wave of
 # equal beads.  The pulse can be compared and plotted like all others.
 
 

@@ -64,7 +64,7 @@ for beads in (5, 10, 20):
     axes.plot(restitution, lost[beads], "o-", label=f"{beads} balls")
 axes.set_title("Energy that is lost in the contacts")
 axes.set_xlabel("coefficient of restitution")
-axes.set_ylabel("part of the energy of the impact")
+axes.set_ylabel("fraction of the impact energy")
 axes.legend()
 
 # %%

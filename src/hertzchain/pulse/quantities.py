@@ -374,8 +374,8 @@ FINAL_QUANTITIES: Final = _by_name(
         ),
         *(
             Quantity(
-                name, "", f"part of the energy {where}",
-                unit="1", scale="1", label="part of the energy", per="run", values="finite",
+                name, "", f"fraction of the energy {where}",
+                unit="1", scale="1", label="fraction of the energy", per="run", values="finite",
             )
             for name, where in (
                 ("energy_forward", "in beads that move towards bead N"),

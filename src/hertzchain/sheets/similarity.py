@@ -42,7 +42,7 @@ def other_scales(chain: Chain) -> list[str]:
 
 
 def scale_free_loss(chain: Chain) -> bool:
-    """Whether all contacts lose a part of the energy that does not depend on the speed.
+    """Whether all contacts lose a fraction of the energy that does not depend on the speed.
 
     The forces of these laws are then proportional to that of Hertz in scaled motions.
     """

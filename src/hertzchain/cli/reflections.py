@@ -38,8 +38,8 @@ reflection_option = click.option(
     type=TwoContacts(),
     metavar="BEFORE:AFTER",
     help="Print the fractions of the energy and the momentum of the first wave that are reflected "
-    "and transmitted between these two contacts, such as 50:75; AFTER can be 'wall'.  Give --until so "
-    "late that the reflected wave has passed BEFORE.",
+    "and transmitted between these two contacts, such as 50:75; AFTER can be 'wall'.  Give "
+    "--until so late that the reflected wave has passed BEFORE.",
 )
 
 

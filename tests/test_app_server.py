@@ -939,13 +939,25 @@ def test_the_page_does_not_advise_to_call_functions():
      "the modified BCA does not support a right wall"),
     (lambda: hc.hard_sphere(hc.Chain.uniform(9).replace(right_wall=hc.Wall())),
      "the hard-sphere theory does not support a right wall"),
+    (lambda: chain_of({"chain": {"last": "9 mm", "beads": 9, "materials": "steel-52100"}}),
+     "enter the size of the beads"),
+    (lambda: chain_of({"chain": {"first": 1.0, "beads": 9}}), "enter the size of the last bead"),
+    (lambda: chain_of({"chain": {"cell": [1.0, 0.5]}}), "enter the number of cells"),
+    (lambda: chain_of({"chain": {"taper": "uniform", "beads": 9, "materials": "steel-52100"}}),
+     "enter the radius"),
+    (lambda: chain_of({"chain": {"taper": "forward-linear", "beads": 9}}),
+     "enter the rate S of the taper"),
+    (lambda: hc.Chain.tapered(first=1000.0, last=1e-6, beads=20), "choose 'a list of radii'"),
+    (lambda: hc.Wall(stiffness=-1.0), "for a rigid wall, choose 'rigid'"),
+    (lambda: chain_of(WALL | {"chain": WALL["chain"] | {"right_wall": {"exponent": 1.0}}}),
+     "; enter its stiffness"),
 ])  # fmt: skip
 def test_errors_are_in_the_words_of_the_page(make, words):
     with pytest.raises(hc.InputError) as raised:
         make()
     text = on_the_page(raised.value)
     assert words in text
-    assert not re.search(r"_wall|_by|materials=|_bca|; (use|remove) ", text)
+    assert not re.search(r"\[chain|Chain\.|Wall[.(]|_wall|_by|materials=|_bca|; remove ", text)
 
 
 def test_a_saved_page_contains_everything(client):

@@ -516,6 +516,11 @@ def test_both_chains_are_drawn_at_the_same_scale(page):
     page.tab = page.new_tab(f"{page.origin}#{chains[0]}&{second}")
     small = radius("B")
     assert radius("A") == pytest.approx(2.5 * small)
+    page.tab.select_option("#camera", "follow")
+    page.tab.evaluate(NEXT_FRAME)
+    assert radius("A") == pytest.approx(2.5 * radius("B"))
+    assert radius("B") > small
+    page.tab.select_option("#camera", "whole")
     # Alone, the small chain has the height of the view.
     page.tab.click("#tab-B")
     page.tab.click("#compare")
@@ -2417,17 +2422,18 @@ def test_a_size_that_was_cleared_can_be_entered_again(page):
     page.tab.goto(page.origin + "#first_diameter=20+mm&last_diameter=10+mm&beads=5"
                   "&materials=steel-52100&velocity=0.1+m/s")  # fmt: skip
     page.settle()
-    field = page.tab.get_by_label("last diameter", exact=True)
-    field.fill("")
-    field.press("Tab")
-    page.settle()
-    assert field.get_attribute("aria-invalid") == "true"
-    assert "sizes" in page.tab.text_content("#problem")
-    field.fill("15")
-    field.press("Tab")
-    page.settle()
-    assert page.tab.is_hidden("#problem")
-    assert page.document()["chain"]["last_diameter"] == "15 mm"
+    for name, advice in (("first", "size of the beads"), ("last", "size of the last bead")):
+        field = page.tab.get_by_label(f"{name} diameter", exact=True)
+        field.fill("")
+        field.press("Tab")
+        page.settle()
+        assert field.get_attribute("aria-invalid") == "true"
+        assert f"enter the {advice}" in page.tab.text_content("#problem")
+        field.fill("15")
+        field.press("Tab")
+        page.settle()
+        assert page.tab.is_hidden("#problem")
+        assert page.document()["chain"][f"{name}_diameter"] == "15 mm"
 
 
 def test_a_finger_selects_a_part_of_the_time(browser, running):

@@ -64,7 +64,6 @@ export class Controls extends Fields {
     const chain = this.chain, inForms = this.keysOfForms, keys = this.schema.chain.keys;
     const own = new Set(["materials", "velocity", "exponent"]);
     const rest = keys.filter((/** @type {any} */ key) => !inForms.has(key.name) && !own.has(key.name));
-    // The exponent is a number or tables.
     const tabular = (/** @type {string} */ name) => typeof listed(chain[name])[0] === "object";
     const tables = Object.keys(this.schema).filter((name) => name.startsWith("chain.")
       && (tabular(name.slice(6)) || !keys.some((/** @type {any} */ key) => key.name === name.slice(6))));
@@ -83,7 +82,7 @@ export class Controls extends Fields {
   /** @param {any[]} keys */
   beads(keys) {
     const chain = this.chain, forms = this.about.schema.forms;
-    const form = Object.keys(forms).find((name) => name in chain) ?? "taper";
+    const form = Object.keys(forms).find((name) => name in chain || name.replace("first", "last") in chain) ?? "taper";
     const choices = Object.keys(forms).filter((name) => name !== "file");
     const names = [form, ...forms[form]];
     const symbols = this.about.tapers[chain.taper] ?? {};

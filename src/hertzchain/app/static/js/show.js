@@ -96,7 +96,6 @@ function showView() {
   $("bead").value = String(v.bead);
   // A new defect is the chosen bead.
   about.begin.other.bead = Math.max(1, ball());
-  // The unit is known with the first results.
   if (document.activeElement !== $("until")) $("until").value = v.until ? plain(own().si ? 1e3 * v.until : v.until) : "";
   $("until-unit").textContent = own().si ? "ms" : "";
 }
@@ -145,7 +144,6 @@ export function showPart(slot, kind) {
 function problem(slot) {
   const found = results[slot], text = found.problem, stale = text !== "";
   $(`lane-${slot}`).classList.toggle("stale", stale);
-  // The message may be far below.
   if (stale && !found.ready) $(`title-${slot}`).replaceChildren(make("span", { className: "bad" }, text));
   if (slot === state.active) showStatus();
 }
@@ -194,11 +192,12 @@ export function draw() {
 function drawStages() {
   const alike = state.B && results.A.ready && results.B.ready && results.A.si === results.B.si;
   const shared = alike ? around(stages.A.room, stages.B.room) : null;
-  for (const slot of SLOTS) {
-    if (!state[slot] || !results[slot].ready) continue;
-    const { motion } = results[slot], place = placeOf(slot);
-    Object.assign(stages[slot], { shared, bead: beadIn(slot) });
-    stages[slot].draw(place * ((motion?.count ?? 1) - 1), results[slot].front(motion ? timeAt(motion.times, place) : 0));
+  const given = SLOTS.filter((slot) => state[slot] && results[slot].ready);
+  const front = (/** @type {Slot} */ slot) => results[slot].front(results[slot].motion ? timeAt(results[slot].motion.times, placeOf(slot)) : 0);
+  const least = shared ? Math.max(...given.map((slot) => stages[slot].near(front(slot))[0])) : 0;
+  for (const slot of given) {
+    Object.assign(stages[slot], { shared, least, bead: beadIn(slot) });
+    stages[slot].draw(placeOf(slot) * ((results[slot].motion?.count ?? 1) - 1), front(slot));
   }
 }
 

@@ -53,6 +53,7 @@ export class Stage {
   si = false;
   /** Room of the drawings of two chains, one below the other. @type {Room | null} */
   shared = null;
+  least = 0;
   look = { x: 0, scale: 1 };
   /** @type {any} */
   drag = null;
@@ -167,7 +168,13 @@ export class Stage {
     return { left: this.walls.includes("left") ? 16 : 8, right: this.walls.includes("right") ? 22 : 8, long: this.long, tall: this.largest };
   }
 
-  /** Where the camera looks. @param {number} front bead, counted from 0, with a fraction */
+  /** Radius and place of the pulse. @param {number} front bead, counted from 0, with a fraction */
+  near(front) {
+    const place = Math.max(0, Math.min(this.radii.length - 1, front)), k = Math.floor(place);
+    return [this.heights, this.centres].map((each) => each[k] + (place - k) * ((each[k + 1] ?? 0) - each[k]));
+  }
+
+  /** Where the camera looks. @param {number} front */
   aim(front) {
     if (this.drag && !this.drag.wall) {
       this.look = this.drag.look;
@@ -176,15 +183,11 @@ export class Stage {
     const W = this.canvas.clientWidth, H = this.canvas.clientHeight;
     const { left, right, long, tall } = this.shared ?? this.room, whole = Math.min((W - left - right) / long, (0.26 * H) / tall);
     if (this.camera !== "follow") {
-      // The first beads of two chains are one below the other.
       const spare = W - left - right - long * whole;
       this.look = { scale: whole, x: -(left + spare / 2) / whole };
       return;
     }
-    const k = Math.max(0, Math.min(this.radii.length - 1, Math.floor(front))), next = Math.min(this.radii.length - 1, k + 1);
-    const u = Math.max(0, Math.min(1, front - k));
-    const r = this.heights[k] * (1 - u) + this.heights[next] * u, x = this.centres[k] * (1 - u) + this.centres[next] * u;
-    const scale = Math.max(whole, Math.min((0.2 * H) / r, W / (14 * 2 * r)));
+    const [near, x] = this.near(front), r = Math.max(near, this.least), scale = Math.max(whole, Math.min((0.2 * H) / r, W / (28 * r)));
     this.look = { scale, x: x - W / 2 / scale };
   }
 
@@ -213,7 +216,6 @@ export class Stage {
 
   /** @param {Pen} pen @param {number} W @param {number} H @param {Float64Array} speeds */
   drawProfile(pen, W, H, speeds) {
-    // Between its caption and the beads.
     const base = H * 0.185 + 7.5, tall = base - 15, count = this.radii.length;
     pen.fillStyle = COLOURS.line;
     pen.fillRect(0, base, W, 1);
@@ -296,7 +298,6 @@ export class Stage {
       pen.fillStyle = STEPS[stepOf(speeds[k])];
       pen.fill();
       if (this.colours.length) {
-        // A ring in the colour of the material.
         const kind = this.colours[this.kinds[k]], wide = Math.max(1.75, 0.24 * r);
         body(wide / 2);
         pen.strokeStyle = COLOURS[`m${kind % KINDS}`];

@@ -97,7 +97,28 @@ def test_what_a_spectrum_or_sensor_does_not_have_is_left_out():
     assert "decay" not in text
     with pytest.warns(hc.IncompleteWarning):
         early = hc.simulate(hc.Chain.uniform(20), until=5.0).sensor_force(15)
-    assert "none yet" in parsed(early)[1]
+    assert "The pulse has not arrived." in parsed(early)[1]
+
+
+def test_forces_above_a_static_force_fill_the_axis():
+    wall = hc.Wall()
+    row = hc.Chain.from_materials(
+        diameters="10 mm", materials="steel-52100", beads=6, precompression="20 N",
+        left_wall=wall, right_wall=wall, velocity="1 mm/s",
+    )  # fmt: skip
+    run = hc.simulate(row, until="0.2 ms", times=201, check=False)
+    sensor = run.sensor_force(3)
+    with pytest.warns(hc.IncompleteWarning):
+        force = run.wall_force()
+    above = engineering(sensor.first_maximum - sensor.static_force, "N", "SI")
+    for item, words in (
+        (sensor, f"static force, included 20 N first maximum above it {above}"),
+        (force, "static force, included 20 N"),
+    ):
+        root, text = parsed(item)
+        assert words in text
+        ends = [each.text for each in root.iter() if each.get("text-anchor") == "end"]
+        assert float(ends[0]) > 15.0
 
 
 @pytest.mark.parametrize(
@@ -262,12 +283,14 @@ def test_peaks_that_are_not_complete_say_so():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.IncompleteWarning)
         early = hc.simulate(chain, until=24.0).wall_force()
-        before = hc.simulate(chain, until=5.0).wall_force()
+        none = hc.simulate(chain, until=5.0)
+        before = none.wall_force()
     root, text = parsed(early)
     assert "not complete" in text
     assert "so far" in text
     assert root.find(".//circle").get("fill") == "none"
-    assert "peak" in parsed(before)[1]
+    assert "The pulse has not arrived." in parsed(before)[1]
+    assert "right wall, largest force so far none yet" in parsed(none)[1]
     complete = hc.simulate(chain).wall_force()
     root, text = parsed(complete)
     assert f"peak {complete.peak:.4g}" in text

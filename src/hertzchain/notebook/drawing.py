@@ -68,7 +68,8 @@ class Mark:
 
 def page(name: str, description: str, *parts: str) -> str:
     """A figure and tables under a heading."""
-    heading = f'<div style="margin-bottom:4px"><b>{escape(name)}</b> {escape(description)}</div>'
+    about = escape(_with_micro(description))
+    heading = f'<div style="margin-bottom:4px"><b>{escape(name)}</b> {about}</div>'
     return (
         f'<div class="hertzchain" style="{FONT};font-size:13px;line-height:1.4;max-width:{WIDTH}px;'
         f'color:inherit">{heading}{"".join(parts)}</div>'
@@ -77,7 +78,13 @@ def page(name: str, description: str, *parts: str) -> str:
 
 def note(text: str) -> str:
     """A sentence below a figure."""
-    return f'<div style="opacity:0.75;font-size:12px;margin-top:4px">{escape(text)}</div>'
+    shown = escape(_with_micro(text))
+    return f'<div style="opacity:0.75;font-size:12px;margin-top:4px">{shown}</div>'
+
+
+def _with_micro(text: str) -> str:
+    """A text with the prefix of the numbers in figures, as in 3 µJ, instead of u."""
+    return re.sub(r"(?<=\d )u(?=[JNgms]\b)", "µ", text)
 
 
 def sentence(text: str, names: Collection[str] = ()) -> str:
@@ -212,9 +219,13 @@ def chart(
     marks: Sequence[Mark] = (),
     log: bool = False,
     whole: bool = False,
+    zero: bool = True,
     height: int = 190,
 ) -> str:
-    """Curves over one axis, with whole numbers if ``whole``, as an SVG figure."""
+    """Curves over one axis, with whole numbers if ``whole``, as an SVG figure.
+
+    The vertical axis begins at 0 unless ``zero`` is false.
+    """
     edges = [edge for curve in curves for edge in (curve.y, curve.base) if edge is not None]
     values = np.concatenate([*edges, [mark.y for mark in marks]])
     values = values[np.isfinite(values) & ((values > 0.0) | (not log))]
@@ -222,7 +233,7 @@ def chart(
         return note("There is nothing to draw.")
     begin = min(curve.x[0] for curve in curves)
     end = max(*(curve.x[-1] for curve in curves), *(mark.x for mark in marks), begin)
-    low, high = _limits(values, log=log)
+    low, high = _limits(values, log=log, zero=zero)
     end = float(end) if end > begin else float(begin) + 1.0
     frame = _Frame(float(begin), end, low, high, height, log, whole)
     parts = [
@@ -233,14 +244,15 @@ def chart(
     return svg("".join(parts), height, f"{y_label} over {x_label}")
 
 
-def _limits(values: Array, *, log: bool) -> tuple[float, float]:
+def _limits(values: Array, *, log: bool, zero: bool = True) -> tuple[float, float]:
     low, high = float(values.min()), float(values.max())
     if log:
         low, high = math.floor(math.log10(low)), math.ceil(math.log10(high))
         return low, max(high, low + 1.0)
-    low, high = min(low, 0.0), max(high, 0.0)
+    if zero or low <= 0.0:
+        low, high = min(low, 0.0), max(high, 0.0)
     room = 0.06 * (high - low) or 1.0
-    return (low - room if low < 0.0 else low), high + room
+    return (low if low == 0.0 else low - room), high + room
 
 
 def ticks(low: float, high: float, most: int = 6, *, whole: bool = False) -> list[float]:
@@ -353,8 +365,10 @@ def _mark(mark: Mark, frame: _Frame) -> str:
     x, y = float(frame.across(mark.x)), float(frame.up(mark.y))
     fill = "none" if mark.open else mark.colour
     side, anchor = (-8, "end") if x > 0.7 * WIDTH else (8, "start")
+    # Above the curve, unless the mark is at the top.
+    down = 4 if y < MARGINS[2] + 16 else -6
     return (
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{fill}" stroke="{mark.colour}" '
-        f'stroke-width="1.6"/><text x="{x + side:.1f}" y="{y + 4:.1f}" text-anchor="{anchor}">'
+        f'stroke-width="1.6"/><text x="{x + side:.1f}" y="{y + down:.1f}" text-anchor="{anchor}">'
         f"{escape(mark.text)}</text>"
     )

@@ -20,6 +20,7 @@ from .drawing import (
     note,
     numbers,
     page,
+    sentence,
     table,
 )
 
@@ -58,7 +59,7 @@ def pulse_html(pulse: Pulse) -> str:
         k = int(np.nanargmax(pulse.peak_force))
         force = engineering(pulse.peak_force[k], "N", units)
         found["largest force"] = f"{force} (contact {k + 1})"
-    notes = [note(text) for text in pulse._all_notes()]
+    notes = [note(sentence(text.rstrip("."))) for text in pulse._all_notes()]
     return page("Pulse", f"by {pulse.method}: {pulse.chain.description}", figure, numbers(found),
                 *notes)  # fmt: skip
 

@@ -69,7 +69,8 @@ def _largest_forces(run: Run) -> dict[str, str]:
     for side in walls_of(run.chain):
         wall = run._wall_force(side)
         so_far = "" if wall.complete and wall.proven else " so far"
-        found[f"{side} wall, largest force{so_far}"] = engineering(wall.largest_so_far, "N", units)
+        largest = engineering(wall.largest_so_far, "N", units)
+        found[f"{side} wall, largest force{so_far}"] = largest if wall.reached else "none yet"
     if run.chain._free_cap and (body := body_force(run)) is not None:
         so_far = "" if body.complete else " so far"
         found[f"cap, largest force{so_far}"] = engineering(body.force, "N", units)
@@ -164,6 +165,9 @@ def wall_force_html(wall: WallForce) -> str:
     """The force on a wall over time with its peak, and its impulses."""
     units = wall.units
     parts = []
+    if not wall.reached:
+        texts = ("the pulse has not arrived", wall.reason)
+        return page("WallForce", f"{wall.side} wall", *(note(sentence(each)) for each in texts))
     if len(wall.times) > 1:
         slow, second = axis_unit(wall.times, "s", units)
         strong, newton = axis_unit(np.array([wall.largest_so_far]), "N", units)
@@ -175,7 +179,9 @@ def wall_force_html(wall: WallForce) -> str:
         )  # fmt: skip
         marks = [mark] if wall.largest_so_far > 0.0 else []
         curve = Curve(slow * wall.times, strong * wall.force)
-        parts.append(chart([curve], f"time{second}", f"force{newton}", marks=marks))
+        parts.append(chart(
+            [curve], f"time{second}", f"force{newton}", marks=marks, zero=not wall.static_force
+        ))  # fmt: skip
     complete, ended = wall.complete, wall.complete_since is not None
     found = {
         "peak so far" if complete and not wall.proven else "peak":
@@ -185,6 +191,8 @@ def wall_force_html(wall: WallForce) -> str:
         engineering(wall.excess_impulse, "N s", units) if ended else "",
         "impulse of the run": engineering(wall.impulse, "N s", units),
         f"contacts with the wall {'in the impact' if ended else 'so far'}": f"{wall.touches}",
+        "static force, included":
+        engineering(wall.static_force, "N", units) if wall.static_force else "",
     }  # fmt: skip
     parts.append(numbers({name: value for name, value in found.items() if value}))
     if wall.step_dependent:
@@ -213,6 +221,8 @@ def horizon_html(horizon: Horizon) -> str:
 def sensor_force_html(sensor: SensorForce) -> str:
     """The force in a sensor over time, with its first maximum and its largest value."""
     units = sensor.units
+    if not sensor.reached:
+        return page("SensorForce", f"bead {sensor.bead}", note("The pulse has not arrived."))
     found = {
         "first maximum": engineering(sensor.first_maximum, "N", units),
         "its time": engineering(sensor.first_maximum_time, "s", units),
@@ -221,6 +231,11 @@ def sensor_force_html(sensor: SensorForce) -> str:
     }
     if math.isnan(sensor.first_maximum):
         found |= {"first maximum": "none yet", "its time": ""}
+    if sensor.static_force:
+        found["static force, included"] = engineering(sensor.static_force, "N", units)
+        above = sensor.first_maximum - sensor.static_force
+        if not math.isnan(above):
+            found["first maximum above it"] = engineering(above, "N", units)
     parts = [numbers(found)]
     if len(sensor.times) > 1:
         slow, second = axis_unit(sensor.times, "s", units)
@@ -228,7 +243,9 @@ def sensor_force_html(sensor: SensorForce) -> str:
         first = slow * sensor.first_maximum_time, strong * sensor.first_maximum
         marks = [] if math.isnan(sensor.first_maximum) else [Mark(*first, "first maximum")]
         curve = Curve(slow * sensor.times, strong * sensor.force)
-        parts.insert(0, chart([curve], f"time{second}", f"force{newton}", marks=marks))
+        parts.insert(0, chart(
+            [curve], f"time{second}", f"force{newton}", marks=marks, zero=not sensor.static_force
+        ))  # fmt: skip
     if sensor.error > SHOWN * abs(sensor.largest_so_far):
         error = engineering(float(f"{sensor.error:.1e}"), "N", units)
         parts.append(note(f"The maxima have errors of at most {error}."))

@@ -85,6 +85,17 @@ def test_labels_name_the_property_that_differs(chains, labels):
     assert "loss" not in title
 
 
+def test_a_common_precompression_is_in_the_title():
+    held = {"precompression": "20 N", "held_by": "force"}
+    chains = [
+        hc.Chain.from_materials(size, "steel-52100", beads=9, **held) for size in (5e-3, 6e-3)
+    ]
+    for given in (chains[:1], chains):
+        _, title = distinguish([["simulation", *words] for words in words_of_chains(given)])
+        assert title.count("under 20 N") == 1
+        assert "precompression" not in title
+
+
 def test_beads_whose_words_do_not_differ_are_named_by_one_of_them():
     chains = [BALLS.with_scatter(relative="1%", seed=seed) for seed in (1, 2)]
     words = words_of_chains(chains)

@@ -18,7 +18,14 @@ from ..chain.laws.given_numbers import law_with_value
 from ..chain.walls import Wall
 from ..representation import MAX_DIGITS, measure
 from .style import with_micro
-from .titles import cap_in_title, loss_in_title, short_material, title_parts, wall_in_words
+from .titles import (
+    cap_in_title,
+    load_in_title,
+    loss_in_title,
+    short_material,
+    title_parts,
+    wall_in_words,
+)
 
 # Digits of values; the second number is for values that the first one does not distinguish.
 DIGITS: Final = (4, MAX_DIGITS)
@@ -68,7 +75,7 @@ def words_of_chains(chains: Sequence[Chain]) -> list[list[str]]:
 
 def _title_parts(chain: Chain, *, strikers: bool, walls: bool) -> list[str]:
     """The parts of a title; with ``walls``, also those of the material of the beads."""
-    parts = title_parts(chain, strikers=strikers)
+    parts = [*title_parts(chain, strikers=strikers), *filter(None, (load_in_title(chain),))]
     if not walls:
         return parts
     for side, wall, end in (("left", chain.left_wall, 0), ("right", chain.right_wall, -1)):
@@ -266,7 +273,7 @@ PROPERTIES: Final = (
         lambda chain: (law_in_words(chain.exponents),),
     ),
     _Property(_gaps, lambda _: ("gaps",)),
-    _Property(_load, lambda _: ("precompression",)),
+    _Property(_load, lambda chain: ("precompression", load_in_title(chain))),
     _Property(lambda chain, _: f"held by {chain.held_by}" if chain.precompression else ""),
     _Property(_gravity, lambda _: ("gravity", "under gravity")),
     _Property(

@@ -69,9 +69,9 @@ def label_spectra(axes: Axes, *about: str, every_word: bool = False) -> None:
 
 def _described(chains: Sequence[Chain]) -> tuple[list[str], list[str]]:
     """Words of each chain that others do not have, and common ones with the static force."""
-    every = words_of_chains(chains) if len(chains) > 1 else [[chain_words(chains[0])]]
+    first = chains[0]
+    alone = [*filter(None, (chain_words(first), load_in_title(first)))]
+    every = words_of_chains(chains) if len(chains) > 1 else [alone]
     names, _ = distinguish([["", *words] for words in every])
     common = [part for part in every[0] if all(part in other for other in every)]
-    if len({chain.precompression for chain in chains}) == 1 and chains[0].precompression:
-        common.append(load_in_title(chains[0]))
     return [literal(name) for name in names], [literal(part) for part in common]

@@ -116,3 +116,21 @@ def test_a_number_of_balls_is_named_beside_a_place_that_does_not_describe_the_da
         assert f"With {other.what} instead, chi2 is " in _place_or_count(best, [place, count])
     assert not _place_or_count(place, [place, cause("one more", 3e5, count=True)])
     assert not _place_or_count(cause("a place", 900.0, True, place=True), [count])
+
+
+@pytest.mark.long
+def test_a_missing_ball_and_a_gap_are_named_without_the_full_search():
+    chain = hc.Chain.from_materials("5 mm", S, beads=9).struck_by(velocity="0.3 m/s")
+    chain = chain.replace(right_wall=hc.Wall(), loss=hc.Viscoelastic("0.5 us"))
+    true = with_ball_fewer(chain).replace(gaps=[0, 0, 0, 0, 2e-6, 0, 0, 0])
+    run = hc.simulate(true, times=SPACING * np.arange(300))
+    seen = np.pad(
+        [run.sensor("ball 3"), run.sensor("ball 7"), run.forces[:, -1]], ((0, 0), (80, 0))
+    )
+    seen += 0.1 * np.random.default_rng(3).standard_normal(seen.shape)
+    columns = dict(zip(("ball 3 [N]", "ball 7 [N]", "wall [N]"), seen, strict=True))
+    traces = hc.Traces.from_arrays(SPACING * np.arange(380), columns)
+    free = ["stiffness", "loss.time", "struck_by.velocity", "time_offset"]
+    found = hc.fit(traces, chain, free=free, diagnose=False)
+    assert found.advice[0].startswith("with one ball fewer (8), and gap[4-5] = 2.0")
+    assert "for a gap between balls 4 and 5 of the row with that number" in found.advice[0]

@@ -33,8 +33,9 @@ def test_sensors_of_many_chains_have_names():
     ("chains", "sensor", "words"),
     [
         ([CHAIN], "ball 7", "there is no ball 7: the chain has 6 balls after its strikers"),
-        ([CHAIN], "marble 2", "or a name such as 'ball 11'"),
-        ([CHAIN], "0", "or a name such as 'ball 11'"),
+        ([CHAIN], "marble 2", r"'ball 6' \(without the strikers\) or 'bead 7' "),
+        ([CHAIN], "0", "or a name such as 'ball 6'"),
+        ([CHAIN.replace(right_wall=None).with_cap("2 g")], "piezo", "'bead 7' .*, or 'cap', got"),
         ([CHAIN, hc.Chain.from_materials("10 mm", "steel-52100", beads=6, velocity=0.2)],
          "ball 4", "different numbers of strikers"),
     ],

@@ -198,6 +198,11 @@ def test_traces_that_begin_with_the_pulse_lead_to_the_option_for_noise(run, file
 
 
 def test_mistakes_of_compare_are_explained(run, files):
+    (files / "wrong.csv").write_text("a,b\n1,2\n")
+    for command in ("compare", "fit"):
+        code, _, err = run(command, files / "wrong.csv", files / "none.toml")
+        assert code == 2
+        assert "none.toml' (No such file or directory)" in err
     code, _, err = run("compare", files / "two.csv", files / "row.toml", *PLACES)
     assert code == 2
     assert "the file has 2 shots: add --shot" in err

@@ -9,7 +9,7 @@ from scipy_row import FREE, RADIUS, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.fitting.parameters import free_parameters
-from hertzchain.fitting.prior_conflicts import conflict, contradicted
+from hertzchain.fitting.prior_conflicts import ADVICE, _advised_once, conflict, contradicted
 from hertzchain.units import volts_per
 
 CALIBRATION = "check the diameters, masses and materials of the chain, the calibration"
@@ -35,6 +35,15 @@ def fitted(mean, sigma, **fields):
     return hc.fit(
         traces(), chain(**fields), free=FREE, priors={"struck_by.velocity": (mean, sigma)}
     )
+
+
+def test_common_advice_is_given_once():
+    notes = [("a", ADVICE), ("b", ""), ("c", "check c"), ("d", ADVICE)]
+    assert _advised_once(notes[:3]) == (f"a: {ADVICE}", "b", "c: check c")
+    *found, advice = _advised_once(notes)
+    assert found == ["a", "b", "c: check c", "d"]
+    assert advice.startswith(CALIBRATION)
+    assert advice.endswith("the priors themselves")
 
 
 @pytest.mark.parametrize(("mean", "deviations"), [(VELOCITY - 0.024, 12), (VELOCITY + 0.03, -15)])

@@ -13,6 +13,8 @@ from .chain import Chain
 Side = Literal["left", "right"]
 CAP: Final = "cap"
 LAST: Final = "last"
+# Largest number of a ball in examples of names.
+EXAMPLE: Final = 11
 # Names of a right wall that is a linear spring.
 CELLS: Final = ("load cell", "cell")
 NAME: Final = re.compile(r"(ball|bead) +([0-9]{1,9})")
@@ -50,10 +52,12 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
         return chain.beads
     found = NAME.fullmatch(name)
     if found is None:
+        cap = f", or {CAP!r}" if chain.cap is not None else ""
         wall = ", or 'wall'" if walls else ""
+        ball = max(1, min(EXAMPLE, chain.beads - chain.strikers - bool(cap)))
         raise InputError(
-            f"{what} must be a whole number or a name such as 'ball 11' (without the strikers) or "
-            f"'bead 12' (with them){wall}, got {short_repr(bead)}"
+            f"{what} must be a whole number or a name such as 'ball {ball}' (without the strikers) "
+            f"or 'bead {ball + chain.strikers}' (with them){cap}{wall}, got {short_repr(bead)}"
         )
     return numbered_bead(chain, found[1], int(found[2]))
 

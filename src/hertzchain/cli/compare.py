@@ -15,6 +15,7 @@ from .chain_completion import complete_losses
 from .fit_options import begin_option, part_of, until_option
 from .options import (
     StrictCommand,
+    check_chain_file,
     figure_option,
     json_option,
     noise_from,
@@ -100,6 +101,7 @@ def compare(
     from ..fitting.prior_conflicts import gain_notes
     from ..fitting.settings import load_experiment
 
+    check_chain_file(chain)
     noise: Any = noise_from(noises)
     seen = hertzchain.load_traces(
         *traces, sensors=sensors_from(sensors), channels=True, noise=noise

@@ -28,6 +28,7 @@ from .fit_options import (
 )
 from .options import (
     StrictCommand,
+    check_chain_file,
     check_writable,
     figure_option,
     json_option,
@@ -150,6 +151,7 @@ def fit(
     if len(files) < 2:
         raise click.UsageError("give at least one CSV file of traces and, last, the chain file")
     check_writable(out, "--out", (".toml",))
+    check_chain_file(files[-1])
     places = sensors_from(sensors)
     noise: Any = noise_from(noises)
     traces = hertzchain.load_traces(*files[:-1], sensors=places, channels=channels, noise=noise)

@@ -253,6 +253,14 @@ def measure_from(text: str | None, chain: Chain) -> Measure:
     return measure_of(chain, usual if text is None else text)
 
 
+def check_chain_file(path: Path) -> None:
+    """Raise the error on a missing chain file before other files are read."""
+    if not path.exists():
+        import hertzchain
+
+        hertzchain.load_chain(path)
+
+
 def check_writable(path: Path | None, option: str, endings: tuple[str, ...]) -> None:
     """Check the extension and folder of an output file before anything is computed."""
     if path is None:

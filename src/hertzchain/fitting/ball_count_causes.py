@@ -1,4 +1,7 @@
-"""One ball more or fewer, behind all sensors or between them, as a cause of residuals."""
+"""One ball more or fewer, behind all sensors or between them, as a cause of residuals.
+
+If this explains a part of them, it is also tried together with a gap.
+"""
 
 from __future__ import annotations
 
@@ -16,12 +19,16 @@ from .misread_places import BETTER, rms_difference
 from .model import Model, make_model
 from .problem import Problem
 from .result import FitResult
+from .rough_gaps import contact_words
+from .row_causes import between_sensors
 from .simulations import Simulator
 
 CHANGES: Final = ((1, with_ball_more, "one ball more"), (-1, with_ball_fewer, "one ball fewer"))
 COUNT: Final = "check the number of balls"
 # From a single start, a fit with the correct number of balls can end at a wrong loss.
 STARTS: Final = 3
+# A gap is tried with another number of balls that leaves less than this part of the excess.
+LEFT: Final = 0.7
 
 
 def likely_count(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -31,8 +38,30 @@ def likely_count(result: FitResult, start: Mapping[str, float], refit: Refit) ->
         difference = rms_difference(model)
         if difference < least:
             least, best = difference, (what, advice, model)
-    if best is not None:
-        yield from _fits([best], start, refit)
+    for cause in () if best is None else _fits([best], start, refit):
+        yield cause
+        if not cause.result.describes and _excess(cause.result) < LEFT * _excess(result):
+            yield from _with_gap(result, cause, start, refit)
+
+
+def _excess(result: FitResult) -> float:
+    """Chi-squared above that of a fit that describes the data."""
+    return result.chi2 - result.goodness.freedom
+
+
+def _with_gap(
+    result: FitResult, cause: Cause, start: Mapping[str, float], refit: Refit
+) -> Iterator[Cause]:
+    """The fit with another number of balls and a gap, unless a gap or an odd ball suffices."""
+    gaps = between_sensors(cause.result, start, refit, only_gaps=True)
+    gap = next((each for each in gaps if each.result.describes), None)
+    if gap is None or any(each.result.describes for each in between_sensors(result, start, refit)):
+        return
+    place = contact_words(gap.names[0], gap.result.chain)
+    yield replace(
+        gap, what=f"{cause.what}, and {gap.what}", count=True, row=False,
+        advice=f"{cause.advice}, and for a gap between {place} of the row with that number",
+    )  # fmt: skip
 
 
 def other_counts(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:

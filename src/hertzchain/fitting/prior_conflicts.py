@@ -102,9 +102,18 @@ def conflict_notes(
             pairs = (values[each.name], sigma), each.prior
             value, prior = (shown_value(each, traces, *pair, at_bound=False) for pair in pairs)
             advice = _wrong_unit(each.name, values[each.name] / each.prior[0]) or ADVICE
-            found.append(f"{each} = {value} is {_counted(size)} from its prior, {prior}: {advice}")
+            note = f"{each} = {value} is {_counted(size)} from its prior, {prior}"
+            found.append((note, advice))
     clause = conflict(deviations)
-    return tuple(found) or ((f"{clause}: {ADVICE}",) if clause else ())
+    return _advised_once(found) or ((f"{clause}: {ADVICE}",) if clause else ())
+
+
+def _advised_once(notes: Sequence[tuple[str, str]]) -> tuple[str, ...]:
+    """Notes with their advice; that on the chain and the priors follows the last of several."""
+    several = sum(advice == ADVICE for _, advice in notes) > 1
+    own = [(note, "" if several and advice == ADVICE else advice) for note, advice in notes]
+    common = (ADVICE.replace("the prior itself", "the priors themselves"),) * several
+    return (*(f"{note}: {advice}" if advice else note for note, advice in own), *common)
 
 
 def gain_notes(
@@ -123,12 +132,13 @@ def gain_notes(
             f"the gain of {sensor}, {each.scaling}, {relation} its prior in [fit], "
             f"{shown_with_error(mean, sigma, unit)}"
         )
+        advice = ""
         if gain * mean < 0.0:
-            note += f": {POLARITY}"
+            advice = POLARITY
         elif size > CONTRADICTS:
-            note += f": {_wrong_unit(Name('gain', sensor), gain / mean) or ADVICE}"
-        found.append(note)
-    return tuple(found)
+            advice = _wrong_unit(Name("gain", sensor), gain / mean) or ADVICE
+        found.append((note, advice))
+    return _advised_once(found)
 
 
 def _wrong_unit(name: Name, ratio: float) -> str:

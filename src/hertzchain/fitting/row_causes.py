@@ -6,7 +6,7 @@ with a free delay of each sensor therefore shows between which of them it may be
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -141,7 +141,21 @@ def row_causes(result: FitResult, start: Mapping[str, float], refit: Refit) -> I
         )
 
 
-def _fits(base: Base, refit: Refit, tried: set[str]) -> Iterator[Cause]:
+def between_sensors(
+    result: FitResult, start: Mapping[str, float], refit: Refit, *, only_gaps: bool = False
+) -> Iterator[Cause]:
+    """The fits with a gap, or an odd ball, between the two sensors with other delays."""
+    if any(name.key in OF_ROW for name in result.model.names):
+        return
+    base = _base(result, start, refit)
+    if base is not None:
+        yield from _fits(base, refit, set[str](), _gaps if only_gaps else _trials)
+
+
+def _fits(
+    base: Base, refit: Refit, tried: set[str],
+    trials_of: Callable[[Base], list[Trial]] | None = None,
+) -> Iterator[Cause]:  # fmt: skip
     """The fits with these causes, of which the most likely one is fitted first.
 
     From each better fit, all of them are tried again.
@@ -149,7 +163,7 @@ def _fits(base: Base, refit: Refit, tried: set[str]) -> Iterator[Cause]:
     best: Cause | None = None
     own_cost = base.own_cost
     for _ in range(MAX_FITS):
-        trials = [each for each in _trials(base) if each.label not in tried]
+        trials = [each for each in (trials_of or _trials)(base) if each.label not in tried]
         trial = min(trials, key=lambda each: each.cost, default=None)
         if trial is None or trial.cost > _limit(base, best):
             break

@@ -52,6 +52,10 @@ def test_a_record_is_aligned_and_scaled_as_by_compare(scope):
     measured = header["record"]
     assert measured["aligned"]
     assert measured["offset"] == pytest.approx(OFFSET, abs=1e-7)
+    begin, error = re.fullmatch(
+        r"by least squares, the simulation begins at (\S+) ± (\S+) µs", measured["notes"][-1]
+    ).groups()
+    assert abs(1e-6 * float(begin) - OFFSET) < 4e-6 * float(error) < 4e-7
     ball, wall = measured["curves"]
     # The legend has the numbers of `Run.compare`: the peak with the noise, and three differences.
     peak, difference, arrival, residual = re.fullmatch(
@@ -224,6 +228,7 @@ def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope, monkeypat
     header, _ = computed(LAB, sensors=[6], record=record)["run"]
     assert "wall is not shown until this is corrected" in header["record"]["notes"]
     assert header["record"]["exchanged"]
+    assert not any("by least squares" in each for each in header["record"]["notes"])
 
 
 def keep_of(text):

@@ -45,7 +45,7 @@ def record_curves(
             begin = float(shot.times[0])
             run = run_to_compare(chain, record.traces, begin, most=MAX_TIMES, progress=progress)
             found = compare_traces(run, record.traces)
-        notes += found.notes
+        notes += [*found.notes, *_alignment(found)]
     except (InputError, SimulationError) as error:
         notes.append(f"not aligned: {error}")
     offset = 0.0 if found is None else found.time_offset
@@ -100,7 +100,8 @@ def _in_newton(
                           f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]
         values = first + (values - level_of(resolved)) / scale
-        label += f" in V ({scale:.4g} V/N)"
+        # A scale means nothing if columns are exchanged.
+        label += " in V" if found.exchanged else f" in V ({scale:.4g} V/N)"
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
@@ -117,6 +118,14 @@ def _unscaled(signals: Sequence[Signal]) -> list[str]:
     return [
         f"{listed(names)} {verb} in V, and {verb} shown only if {they} can be aligned and scaled"
     ]
+
+
+def _alignment(found: TraceComparison) -> list[str]:
+    """A sentence on the begin of the simulation and its error, if the data determine them."""
+    if found.exchanged or found.time_offset_given or not np.isfinite(found.time_offset_error):
+        return []
+    begin = found.time_offset_text.replace("+-", "±").replace(" us", " µs")
+    return [f"by least squares, the simulation begins at {begin}"]
 
 
 def _agreement(found: TraceComparison, number: int) -> str:

@@ -66,7 +66,7 @@ STEEL = "steel-52100"
     (lambda: hc.Wall(hc.material("ptfe")), "Wall.of\\('ptfe'\\)"),
     (lambda: hc.Chain.dimer(diameters=[1, 2, 3], beads=4), "two sizes, .* got a list of 3"),
     (lambda: hc.Chain.tapered("forward-linear", 0.1),
-     "Chain.tapered: missing the argument 'beads'; it takes taper, rate, beads"),
+     "Chain.tapered: missing the argument 'beads'; it requires only beads"),
     (lambda: hc.Chain.from_materials(5e-3, STEEL, beads=3, speed=3),
      "Chain.from_materials has no argument 'speed'; did you mean 'velocity'"),
     (lambda: hc.Chain.from_materials(5e-3, STEEL, beads=3, units="SI"), "no argument 'units'"),
@@ -358,3 +358,12 @@ def test_a_free_end_has_no_contact():
         match="from 0 to 5, where 0 and 5 are walls, got 6",
     ):
         run.force(6)
+
+
+def test_missing_attributes_of_a_run_name_the_usual_ones():
+    run = hc.simulate(hc.Chain.uniform(3))
+    with pytest.raises(
+        AttributeError, match="no attribute 'peak_force'; use pulse\\(\\).peak_force"
+    ):
+        run.peak_force  # noqa: B018
+    assert not hasattr(run, "weight")

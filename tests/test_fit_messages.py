@@ -114,6 +114,16 @@ def test_a_record_that_ends_before_the_pulse_is_not_regarded_as_clipped():
     assert ". No single sample of wall clearly exceeds its noise" in result.verdict
 
 
+def test_a_dead_channel_is_named_and_not_its_gain():
+    times, columns = recorded()
+    rng = np.random.default_rng(3)
+    dead = columns | {"wall [N]": 0.1 * rng.standard_normal(len(times))}
+    data = hc.Traces.from_arrays(times, dead)
+    (advice, *_) = hc.fit(data, chain(), free=["time_offset"], starts=1, diagnose=False).advice
+    assert advice.startswith("with the column of wall removed, chi2 falls from ")
+    assert ": this sensor shows no pulse above the noise, so check cables" in advice
+
+
 def test_the_gain_of_a_sensor_without_a_pulse_is_not_determined(tmp_path):
     times, columns = recorded()
     # The record ends before the pulse arrives at the wall.

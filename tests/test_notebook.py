@@ -544,3 +544,9 @@ def test_names_of_curves_are_those_of_figures():
 def test_pages_of_walls_have_the_unit_of_a_given_stiffness():
     assert "5 kN/mm" in hc.Wall("5000 N/mm", exponent=1)._repr_html_()
     assert "5e+06" in hc.Wall(5e6)._repr_html_()
+
+
+def test_scatter_has_a_view():
+    _, text = parsed(hc.Scatter(radius=0.01, gaps="5 um", beads="2:", measure="cvar90"))
+    assert "Scatter 1% scatter, random gaps (5 um)" in text
+    assert "beads 2: samples 40 measure CVaR90" in text

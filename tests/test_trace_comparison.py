@@ -281,6 +281,11 @@ def test_data_without_a_pulse_are_noted():
     with pytest.warns(hc.InputWarning, match="the data of wall have no pulse above their noise"):
         compared = simulated(7e-4).compare(data)
     assert "no pulse above their noise" in compared.summary(width=None)
+    # Noise determines the peak and the arrival.
+    (sensor,) = compared.sensors
+    assert sensor.silent
+    assert sensor.cells[0] == "no pulse"
+    assert "errors of measured" not in compared.summary(width=None)
     assert "the simulated pulse of" not in compared.summary(width=None)
 
 

@@ -131,11 +131,11 @@ def _alignment(found: TraceComparison) -> list[str]:
 def _agreement(found: TraceComparison, number: int) -> str:
     """Peak, arrival and residual of a signal for the legend, as `TraceComparison.summary` has them.
 
-    If columns are probably exchanged, it has the measured peak alone.
+    If columns are probably exchanged, or without a pulse, it has the measured peak alone.
     """
     each = found.sensors[number]
     peak, _, difference, _, _, delay, residual = each.cells
-    if found.exchanged:
+    if found.exchanged or each.silent:
         return f": {peak}"
     simulated = "" if each.lower_bound else "simulated "
     arrival = f"; arrival {delay}".replace(" us", " µs") * bool(np.isfinite(each.delay))

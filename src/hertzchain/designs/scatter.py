@@ -221,6 +221,11 @@ class Scatter:
         others = [f"{key} {spread_in_words(value)}" for key, value in given if value is not None]
         return ", ".join(filter(None, (radii, f"random gaps ({size})" if size else "", *others)))
 
+    def _repr_html_(self) -> str:
+        from ..notebook.designs import scatter_html
+
+        return scatter_html(self)
+
     @property
     def statistic(self) -> str:
         """The measure in words: ``"mean"`` or, for example, ``"CVaR90"``."""

@@ -15,7 +15,7 @@
   `static_causes`, `constant_causes`, `free_causes`, `row_causes`, `gap_causes` with `rough_gaps`
   and `end_gaps`, `ball_counts`, `ball_count_causes`, `common_effects`, `advice` and
   `second_pulse`, `plausibility`, `prior_conflicts`, `without_priors`, `cap_notes`,
-  `unused_parameters`, `silent_sensors`;
+  `unused_parameters`, `silent_sensors`, `dead_channels`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
   `fitted_file`;
 - further questions: `loss_comparison` of all `loss_laws`, and `defect_scan` with its

@@ -1,8 +1,7 @@
 """Causes of residuals that a fit does not describe, each tried in another fit.
 
 A cause is named only if the model describes the data with it, or if it removes most of the excess
-of chi-squared.  Wrong columns are recognised by amplitudes and arrivals; effects of sensors are
-chosen by their prediction in the linearised fit.
+of chi-squared.  Wrong columns are recognised by amplitudes and arrivals.
 """
 
 from __future__ import annotations
@@ -21,6 +20,7 @@ from .ball_count_causes import likely_count
 from .cap_notes import is_cap_note
 from .causes import CERTAIN, CLEAR, Cause, Refit, fixed_ends, try_further
 from .clocks import fixed_offsets
+from .dead_channels import without_dead_channels
 from .effect_limits import limited
 from .free_causes import MAX_TRIED, MOST, PROMISING, after_zeros, free_zeros, other_places
 from .gap_causes import small_gap_causes
@@ -137,6 +137,9 @@ def _of_columns(
 ) -> tuple[list[Cause], FitResult | None]:
     """Fits to columns and times that are read differently, and the result if these decide it."""
     check_times(result.model)
+    dead = without_dead_channels(result, start, refit)
+    if dead is not None and _much_better(result, dead):
+        return [dead], _without_consequences(replace(result, advice=(_sentence(result, dead),)))
     columns = list(_columns(result, start, refit))
     causes = [*columns, *_clock(result, start, refit)]
     misread = next((each for each in causes if each.whole and _much_better(result, each)), None)
@@ -369,9 +372,8 @@ def _is_good(result: FitResult) -> bool:
 
 def _much_better(result: FitResult, cause: Cause) -> bool:
     """Whether a cause leaves possible values, and explains most of the residuals if they matter."""
-    if cause.result.meaningless:
-        return False
-    return _is_good(cause.result) or _removed(result, cause.result) > MOST
+    found = cause.result
+    return _is_good(found) or (not found.meaningless and _removed(result, found) > MOST)
 
 
 def _explains(result: FitResult, other: FitResult) -> bool:
@@ -393,10 +395,10 @@ def _sentence(result: FitResult, cause: Cause, others: str = "") -> str:
     if result.goodness.accepted:
         possible = "" if then else " with possible values"
         return f"with {cause.what}, the model describes the data{possible}: {cause.advice}{then}"
+    text = f"{_improved(result, cause)}: {cause.advice}"
     if cause.result.describes:
-        return f"{_improved(result, cause)}: {cause.advice}{then}{others}"
-    text = f"{_improved(result, cause)}: {cause.advice}{others}"
-    return f"{text}. The model still does not describe the data. {considered(result)}"
+        return f"{text}{then}{others}"
+    return f"{text}{others}. The model still does not describe the data. {considered(result)}"
 
 
 def _improved(result: FitResult, cause: Cause) -> str:

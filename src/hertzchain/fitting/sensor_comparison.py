@@ -42,6 +42,10 @@ MIN_TIMES: Final = 5.0
 # A gap between samples, as a part of the width of a pulse, in which its crest may be higher than
 # its ends by 1%.
 SHORT: Final = 0.14
+# Text of the peak of data without a pulse.
+NO_PULSE: Final = "no pulse"
+# Part of the error of a peak below which a simulated peak is shown as 0.
+NEGLIGIBLE: Final = 1e-3
 # Digits of peaks.
 MAX_DIGITS: Final = 4
 
@@ -88,6 +92,9 @@ class SensorComparison:
     measured_duration, simulated_duration : float
         Time from the arrival until the signal falls below half of its peak again [s]: the width of
         the first pulse; NaN if an end or the crest is not in the data.
+    silent : bool
+        Whether the data have no pulse above their noise: the measured peak, arrival and residual
+        then mean nothing, and are not shown.
     """
 
     name: str
@@ -105,6 +112,7 @@ class SensorComparison:
     peak_error: float = np.nan
     measured_duration: float = np.nan
     simulated_duration: float = np.nan
+    silent: bool = False
 
     @property
     def lower_bound(self) -> bool:
@@ -134,6 +142,10 @@ class SensorComparison:
     @property
     def cells(self) -> tuple[str, ...]:
         """Peaks, arrivals and residual as text."""
+        if self.silent:
+            own = self.shown_peaks[1]
+            arrival = "-" if own.startswith("0 ") else _time(self.simulated_arrival)
+            return NO_PULSE, own, "-", "-", arrival, "-", "-"
         difference = shown_difference(self.peak_ratio)
         if self.lower_bound:
             difference = "saturated" if self.saturated else "no crest"
@@ -147,6 +159,8 @@ class SensorComparison:
     @property
     def measured_cells(self) -> tuple[str, str]:
         """Measured peak and arrival as text."""
+        if self.silent:
+            return NO_PULSE, "-"
         return self.shown_peaks[0], _time(self.measured_arrival)
 
     @property
@@ -165,6 +179,8 @@ class SensorComparison:
 
 def _rounded(value: float, error: float) -> str:
     """A value to the first digit of its error, and to at most four digits."""
+    if abs(value) < NEGLIGIBLE * error:
+        return "0"
     if not error > 0.0 or abs(value) < 1e-3:
         return f"{value:.{MAX_DIGITS}g}"
     first = math.floor(math.log10(abs(value)))
@@ -250,7 +266,7 @@ def compared_sensor(times: Array, signal: Signal, model: Array) -> SensorCompari
         arrival, reached(times[covered], simulated, levels[1]), error,
         rest / abs(peaks[0]), scale_of(signal, model), saturated, missing,
         crest.error if smooth else np.nan,
-        *durations,
+        *durations, abs(largest[0]) <= ABOVE_NOISE * signal.sigma,
     )  # fmt: skip
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
+from weakref import WeakKeyDictionary
 
 from ..chain.chain import Chain
 from ..errors import InputError
@@ -30,6 +31,10 @@ GRAVITY: Final = (
 PRECOMPRESSION: Final = (
     f"if the row is compressed, give precompression in the chain, and {to_free(['precompression'])}"
 )
+
+
+# Fits with gravity by the fit without it, which both functions below use.
+_WITH_GRAVITY: Final[WeakKeyDictionary[FitResult, list[Cause]]] = WeakKeyDictionary()
 
 
 def vertical_row(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
@@ -61,8 +66,16 @@ def _has_static_forces(model: Model) -> bool:
     )
 
 
-def _with_gravity(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fits with gravity that is not larger than the standard one."""
+def _with_gravity(result: FitResult, start: Mapping[str, float], refit: Refit) -> list[Cause]:
+    """The fits with gravity that is not larger than the standard one, made once."""
+    if result not in _WITH_GRAVITY:
+        _WITH_GRAVITY[result] = [*_fits_with_gravity(result, start, refit)]
+    return _WITH_GRAVITY[result]
+
+
+def _fits_with_gravity(
+    result: FitResult, start: Mapping[str, float], refit: Refit
+) -> Iterator[Cause]:
     if _has_static_forces(result.model):
         return
     for first in _accelerations(result):

@@ -47,7 +47,7 @@ STEPS: Final = (
     Step(other_places),
     Step(_counts_and_effects),
     Step(separate_effects),
-    Step(vertical_row, with_zeros=True),
+    Step(vertical_row, "static forces", with_zeros=True),
     Step(row_causes, "odd balls", after_delays=True, with_zeros=True),
     Step(gap_causes, "one gap", with_zeros=True),
     Step(with_shots, "differences between shots", with_zeros=True),

@@ -150,7 +150,7 @@ class TraceComparison:
         """A line on the standard errors of the measured peaks, if any is known."""
         errors = [
             each.peak_error / abs(each.measured_peak) for each in self.sensors
-            if each.peak_error > 0.0
+            if each.peak_error > 0.0 and not each.silent
         ]  # fmt: skip
         if not errors:
             return []
@@ -160,7 +160,10 @@ class TraceComparison:
     @property
     def _arrival_errors(self) -> list[str]:
         """Lines on the standard errors of the measured arrivals, if any is known."""
-        errors = [each.arrival_error for each in self.sensors if np.isfinite(each.arrival_error)]
+        errors = [
+            each.arrival_error for each in self.sensors
+            if np.isfinite(each.arrival_error) and not each.silent
+        ]  # fmt: skip
         if not errors:
             return []
         ends = dict.fromkeys(measure(each, "s", digits=2) for each in (min(errors), max(errors)))
@@ -211,7 +214,10 @@ class TraceComparison:
             *self._peak_errors,
             *self._arrival_errors,
         ]
-        factors = [f"{each.name} by {each.scaling}" for each in self.sensors if each.unit == "V"]
+        factors = [
+            f"{each.name} by {each.scaling}" for each in self.sensors
+            if each.unit == "V" and not each.silent
+        ]  # fmt: skip
         if factors:
             lines.append(f"without calibration, the simulation is scaled: {', '.join(factors)}")
         return folded("\n".join([*lines, *self.notes]), summary_width(width))

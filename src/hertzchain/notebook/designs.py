@@ -13,6 +13,7 @@ from ..designs.limits_if_yielding import not_met_in_words
 from ..designs.measures import notes_on
 from ..designs.report import front_in_words, search_in_words
 from ..designs.result import DesignResult
+from ..designs.scatter import Scatter
 from ..designs.sizes_in_words import order_in_words
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, sentence, table
@@ -83,3 +84,11 @@ def distribution_html(found: Distribution) -> str:
         notes.append(note(sentence(yielding)))
     about = f"{found.quantity} of {len(found.values)} random chains: {found.chain.description}"
     return page("Distribution", about, figure, numbers(words), *notes)
+
+
+def scatter_html(scatter: Scatter) -> str:
+    """Deviations, the beads that have them, the number of samples and the measure."""
+    beads = "all but strikers and a cap" if scatter.beads is None else str(scatter.beads)
+    found = {"beads": beads, "samples": f"{scatter.samples}", "measure": scatter.statistic}
+    # A number without a unit is scaled, or in SI units: the chain decides.
+    return page("Scatter", scatter._in_words("scaled"), numbers(found))

@@ -14,12 +14,13 @@ from ..validation.keywords import checked_methods
 from .body_peak import body_force_of
 from .budget import overlaps_of
 from .largest_overlaps import OPEN
+from .other_names import OtherNames
 from .trajectory import Trajectory
 
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class ContactHistory(Trajectory):
+class ContactHistory(OtherNames, Trajectory):
     """A trajectory with the history of its contacts; `hertzchain.Run` has the fields."""
 
     body_force = body_force_of

@@ -60,6 +60,9 @@ MATERIALS: Final = frozenset(("material", "materials"))
 FIELD_ALIASES: Final[Mapping[str, str]] = MappingProxyType(
     {"material": "materials", "diameter": "diameters"}
 )
+# Of a function with more arguments, only the required ones are listed if one of them is missing.
+MANY: Final = 8
+EMPTY: Final = inspect.Parameter.empty
 # Arguments that are fractions.
 FRACTIONS: Final = ("relative",)
 _TWICE: Final = re.compile(r"multiple values for argument '(\w+)'")
@@ -152,9 +155,17 @@ def _check_call(
         reason = str(error).replace("a required argument: ", "the argument ")
         if found := _TWICE.fullmatch(reason):
             raise InputError(_given_twice(label, function, found[1], given, keywords)) from None
-        takes = ", ".join(known) or "no arguments"
+        verb, takes = "takes", ", ".join(known) or "no arguments"
+        if reason.startswith("missing") and len(known) > MANY:
+            verb, takes = "requires only", ", ".join(_required(function))
         hint = _by_keyword(function, given, keywords) if reason.startswith("too many") else ""
-        raise InputError(f"{label}: {reason}; {hint}it takes {takes}") from None
+        raise InputError(f"{label}: {reason}; {hint}it {verb} {takes}") from None
+
+
+def _required(function: Callable[..., Any]) -> list[str]:
+    """Names of the arguments without a default."""
+    parameters = inspect.signature(function).parameters
+    return [name for name in _arguments(function, ()) if parameters[name].default is EMPTY]
 
 
 def _by_keyword(

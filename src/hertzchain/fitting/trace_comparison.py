@@ -18,6 +18,7 @@ from ..validation.keywords import checked_methods
 from .sensor_comparison import (
     HEADING,
     MEASURED_HEADINGS,
+    NO_PULSE,
     SensorComparison,
     aligned,
     compared_sensor,
@@ -314,7 +315,10 @@ class TraceComparison:
         return trace_comparison_html(self)
 
     def __repr__(self) -> str:
-        rows = ", ".join(f"{name} {value:.2%}" for name, value in self.differences.items())
+        rows = ", ".join(
+            f"{each.name} {NO_PULSE if each.silent else f'{each.residual:.2%}'}"
+            for each in self.sensors
+        )
         offset = f"time offset {self.time_offset_text}"
         covered = f"{self.covered:.0%} of the record"
         about = "rms difference over measured peak"

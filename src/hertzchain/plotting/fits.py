@@ -284,7 +284,7 @@ def _title_with_peaks(axes: Axes, comparison: TraceComparison, i: int) -> None:
     """Add the peaks to the title of a figure of its own, unless it is for a journal."""
     if journal_width.get() is None:
         found = comparison.sensors[i]
-        data, own = found.shown_peaks
+        data, own = found.cells[:2]
         set_panel_title(axes, literal(f"{found.name}, peak: {DATA} {data}, {SIMULATION} {own}"))
 
 

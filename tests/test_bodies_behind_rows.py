@@ -156,7 +156,7 @@ def test_a_figure_of_forces_on_caps_states_the_peaks_with_yield():
     yielding = {"box": peaks_if_yielding(runs["box"])}
     peak = body_force(hc.simulate(box(loss=hc.ElasticPlastic()))).force
     assert figure_title(runs, yielding) == (
-        f"elastic contacts; peaks if contacts yield: box {peak:.3g} N"
+        f"elastic contacts; peak if contacts yield at 1.6 Y: {peak:.3g} N"
     )
 
 

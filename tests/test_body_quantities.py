@@ -314,7 +314,7 @@ def test_a_front_shows_the_initial_chain_and_the_one_to_compare():
     found = hc.design(problem, budget=400, points=4)
     axes = found.plot("front")
     named = {line.get_label().partition(":")[0]: line for line in axes.lines}
-    line = named["initial chain"]
+    line = named["given chain"]
     values = found._initial.values
     if len(line.get_xdata()):
         assert line.get_ydata()[0] == pytest.approx(values[PEAK])

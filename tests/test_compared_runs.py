@@ -127,15 +127,15 @@ def test_a_figure_of_elastic_contacts_beyond_yield_says_so():
     runs = {"nylon": hc.simulate(heavy_strike("nylon")), "gentle": hc.simulate(row("9 mm"))}
     yielding = {name: peaks_if_yielding(each) for name, each in runs.items()}
     title = figure_title(runs, yielding)
-    assert title == "nylon: elastic contacts; peaks if contacts yield: nylon 42.1 N"
+    assert title == "nylon: elastic contacts; peaks if contacts yield at 1.6 Y: nylon 42.1 N"
     del runs["gentle"], yielding["gentle"]
-    assert figure_title(runs, yielding).startswith("elastic contacts; peaks")
+    assert figure_title(runs, yielding).endswith("; peak if contacts yield at 1.6 Y: 42.1 N")
     assert figure_title({"gentle": runs["nylon"]}, {"gentle": (None, None)}) == ""
     runs["yields"] = hc.simulate(row("9 mm", loss=hc.ElasticPlastic()))
-    assert figure_title(runs, {}) == "yields: contacts yield at 1.6 Y"
+    assert figure_title(runs, {}) == "yields: contacts yield at 1.6 Y (Y: yield strength)"
     pulses = [each.pulse() for each in runs.values()]
     title = hc.plot_pulses(pulses).get_title().replace("\n", " ")
-    assert title.endswith(", contacts yield at 1.6 Y")
+    assert title.endswith(", contacts yield at 1.6 Y (Y: yield strength)")
 
 
 def test_chains_without_walls_are_compared_by_their_sensors(run, tmp_path):

@@ -822,7 +822,8 @@ def test_values_with_yield_outside_the_range_of_the_law_are_not_compared(far_out
         warnings.simplefilter("ignore")
         axes = found.plot("forces")
     texts = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
-    assert f"(dashed, with yield, 1.6 Y: {value:#.4g} N, outside the range of the law)" in texts[-1]
+    assert f"(dashed, with yield, 1.6 Y: {value:#.4g} N, outside the range of the law)" in texts[-2]
+    assert texts[-1].startswith("not drawn: given chain, peak ")
 
 
 def test_the_summary_of_a_design_states_dents(partly_yielding):
@@ -1256,7 +1257,7 @@ def test_results_are_exported(softest, tmp_path):
 def test_forces_that_differ_much_share_axes_and_the_small_one_is_enlarged_below():
     chain = hc.Chain.uniform(8).replace(right_wall=hc.Wall())
     problem = hc.Design(chain, minimise="wall_force.peak", vary=[hc.vary.radii(0.05, 1.0)])
-    # Without references, the initial chain is compared.
+    # Without references, the given chain is compared.
     result = dataclasses.replace(hc.design(problem, budget=200), references={})
     initial = hc.simulate(chain).wall_force().peak
     assert initial > 5.0 * result.value
@@ -1302,10 +1303,10 @@ def test_figures_state_that_the_initial_chain_violates_constraints():
     assert result.met
     figure = result.plot()
     texts = [text.get_text() for text in figure.axes[0].texts]
-    assert "initial chain \nviolates length " in texts
+    assert "given chain \nviolates length " in texts
     assert "design " in texts
     initial, design = (text.get_text() for text in figure.axes[1].get_legend().get_texts())
-    assert re.fullmatch(r"initial chain, peak \S+ N,\s*violates length", initial)
+    assert re.fullmatch(r"given chain, peak \S+ N,\s*violates length", initial)
     assert "violates" not in design
     bars = figure.axes[-1]
     assert bars.get_xlabel() == "bead $k$"
@@ -1324,12 +1325,12 @@ def test_a_design_is_compared_with_the_best_chain_that_meets_the_constraints(sof
     assert labels[0] == f"{name}, peak {softest.objective_of(other):.4g}"
     words = " ".join(text.get_text() for text in softest.plot("beads").texts)
     assert name in " ".join(words.split())
-    # The initial chain is shown if it is better, or if no reference meets the constraints.
+    # The given chain is shown if it is better, or if no reference meets the constraints.
     values = {str(each): 10.0 * value for each, value in softest._initial.values.items()}
     worse = {best: dataclasses.replace(softest._initial, values=values)}
     for references in ({}, worse):
         result = dataclasses.replace(softest, references=references)
-        assert [*shown_chains(result)] == ["initial chain", "design"]
+        assert [*shown_chains(result)] == ["given chain", "design"]
 
 
 def test_figures_at_the_width_of_a_column_are_legible():

@@ -244,7 +244,7 @@ def test_designs_of_two_materials_show_diameters_and_all_beads(beads, rows, monk
     monkeypatch.setattr(design_beads, "violations", lambda *_: [])
     monkeypatch.setattr(design_beads, "same_as", lambda _: "")
     row = SimpleNamespace(chain=chain, not_a_prediction=False)
-    both = dict.fromkeys(("initial chain", "design"), row)
+    both = dict.fromkeys(("given chain", "design"), row)
     monkeypatch.setattr(design_beads, "shown_chains", lambda _: both)
     axes = design_beads.plot_beads(SimpleNamespace(chain=chain))
     axes.figure.draw_without_rendering()

@@ -225,7 +225,12 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     axes = plot_at_both_pressures(assumed, high, ("low", "high"))
     assert "1.6 Y" not in axes.get_title()
     labels = axes.get_legend_handles_labels()[1]
-    assert labels == [f"low: mean {low.mean:.2f} N", f"high: mean {high.mean:.2f} N"]
+    assert labels == [
+        f"{name}: nominal {each.nominal:.2f} N, mean {each.mean:.2f} N"
+        for name, each in (("low", low), ("high", high))
+    ]
+    assert "contacts yield (Y: yield strength)" in axes.get_title().replace("\n", " ")
+    assert axes.get_ylabel() == "number of chains, of 4"
 
 
 def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):

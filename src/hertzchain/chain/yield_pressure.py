@@ -22,6 +22,7 @@ ASSUMED_PRESSURE: Final = (
 # The same in figures and tables.
 LOW: Final = f"at {FIRST_YIELD:g} Y"
 YIELD_ASSUMED: Final = f"contacts yield {LOW}"
+DEFINED: Final = "(Y: yield strength)"
 OTHER_PRESSURE: Final = f"use loss=ElasticPlastic(factor={FULLY_PLASTIC:g})"
 # Beside values of many chains, which share the assumption.
 ASSUMED_FOR_ALL: Final = (

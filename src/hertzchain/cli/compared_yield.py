@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Yielding = tuple[WithYield | None, WithYield | None]
 
 # Relative difference up to which peaks are the same, and length of a title in characters.
-SAME, TITLE = 1e-6, 70
+SAME, TITLE = 1e-6, 110
 
 
 class AtPressures(NamedTuple):
@@ -174,18 +174,20 @@ def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> s
 
     The latter is followed by the peaks if they yield, where there is room.
     """
-    from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
+    from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
 
     lawful = [name for name, run in runs.items() if assumes_pressure(run.chain)]
-    beyond = _beyond_yield(runs, yielding)
+    beyond = beyond_yield(runs, yielding)
     if not lawful:
         return beyond
     whose = "" if len(lawful) == len(runs) else f"{listed(lawful)}: "
-    return "; ".join(filter(None, (f"{whose}{YIELD_ASSUMED}", beyond)))
+    return "; ".join(filter(None, (f"{whose}{YIELD_ASSUMED} {DEFINED}", beyond)))
 
 
-def _beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
+def beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
     """That elastic contacts are beyond yield, with the peaks if they yield."""
+    from ..chain.yield_pressure import YIELD_ASSUMED
+
     peaks = {name: peak for name, (peak, _) in yielding.items() if peak is not None}
     if not peaks:
         return ""
@@ -193,9 +195,9 @@ def _beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> 
         "elastic contacts" if len(peaks) == len(runs) else f"{listed([*peaks])}: elastic contacts"
     )
     shown = ", ".join(
-        f"{name} {measure(peak.value, 'N', runs[name].chain.units, 3)}"
+        f"{f'{name} ' * (len(runs) > 1)}{measure(peak.value, 'N', runs[name].chain.units, 3)}"
         for name, peak in peaks.items()
     )
     known = not any(peak.outside for peak in peaks.values())
-    whole = f"{text}; peaks if contacts yield: {shown}"
+    whole = f"{text}; peak{'s' * (len(runs) > 1)} if {YIELD_ASSUMED}: {shown}"
     return whole if known and len(whole) <= TITLE else f"{text}, beyond yield"

@@ -10,7 +10,7 @@ import click
 from .chain_options import ChainOptions, chain_options
 from .chain_runs import runs_of
 from .compared_runs import compared_runs, peaks_of
-from .compared_yield import figure_title
+from .compared_yield import beyond_yield, figure_title
 from .hit_tables import check_hits, hit_table, hits_as_list
 from .options import (
     Fraction,
@@ -419,10 +419,10 @@ def _drawn(
     from ..plotting.pulses import plot_pulses
     from ..plotting.run_overview import plot_run_and_forces
     from ..plotting.runs import plot_forces_of_runs
-    from ..plotting.style import literal, set_figure_title
-    from ..plotting.widths import journal_width
+    from ..plotting.style import literal, set_figure_title, with_line
 
     title = figure_title(runs, yielding)
+    beyond = beyond_yield(runs, yielding)
     labels = with_losses({name: run.chain for name, run in runs.items()})
     runs = {labels[name]: run for name, run in runs.items()}
     beads = {labels[name]: places for name, places in beads.items()}
@@ -431,15 +431,15 @@ def _drawn(
     if not others and not forces:
         places = next(iter(shown.values()))
         if places:
-            return plot_run_and_forces(first, places)
+            return with_line(plot_run_and_forces(first, places), beyond)
         return first.plot(relative=is_pale(first))
     if not all(shown.values()):
         pulses = [run.pulse() for run in runs.values()]
         log = extends_over_decades(pulses, "velocity")
         return plot_pulses(pulses, labels=[*map(literal, runs)], log=log)
     if not others:
-        return first.plot_forces(*shown.values())
+        return with_line(first.plot_forces(*shown.values()), beyond)
     axes = plot_forces_of_runs(runs, shown)
-    if title and journal_width.get() is None:
+    if title:
         set_figure_title(figure_of(axes), title)
     return axes

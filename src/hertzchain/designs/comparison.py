@@ -156,7 +156,7 @@ def _best_feasible(result: DesignResult) -> str | None:
 def shown_chains(result: DesignResult) -> dict[str, Verified]:
     """The chains of a figure, by name: the best one without a search, and the design.
 
-    The first one is the best reference that meets the constraints, or the initial chain if there
+    The first one is the best reference that meets the constraints, or the given chain if there
     is none or if it is better; it is omitted if the design is the same chain (`same_as`).  A given
     chain that violates the constraints is before it.
     """
@@ -182,7 +182,7 @@ def _same(one: Verified, other: Verified) -> bool:
 def _without_search(result: DesignResult) -> tuple[str, Verified]:
     """The best chain without a search, and its name."""
     initial, name = result._initial, _best_feasible(result)
-    words, other = "initial chain", initial
+    words, other = GIVEN, initial
     if name is not None:
         found = result.references[name]
         loss = result._sign * (result.objective_of(found) - result.objective_of(initial))

@@ -198,7 +198,7 @@ class Distribution(Frozen):
         >>> chain = hc.Chain.uniform(10).replace(right_wall=hc.Wall())
         >>> found = hc.distribution(chain, "wall_force.peak", hc.Scatter(radius=0.01, samples=20))
         >>> found.plot().get_ylabel()
-        'number of chains'
+        'number of chains, of 20'
         """
         from ..plotting.distributions import plot_distribution
 

@@ -337,7 +337,7 @@ class DesignResult:
         ----------
         kind : str, optional
             ``"beads"`` or ``"forces"`` of the design and of the best reference that meets the
-            constraints, or of the initial chain if there is none or if it is better (only of the
+            constraints, or of the given chain if there is none or if it is better (only of the
             design if both are the same chain);
             ``"history"``, the best objective over the number of simulations, or of the method
             ``"enumerate"`` the distribution over all choices that meet the constraints;

@@ -1,4 +1,4 @@
-"""Rows beside a Pareto front: the initial chain, the given row, and the best one to compare."""
+"""Rows beside a Pareto front: the given chain, the given row, and the best one to compare."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def draw_compared_rows(result: DesignResult, across: Scale, up: Scale, axes: Axe
 def _rows(result: DesignResult) -> dict[str, Verified]:
     """Rows by name, without the design itself."""
     shown = shown_chains(result)
-    rows = {} if GIVEN in shown else {"initial chain": result._initial}
+    rows = {} if GIVEN in shown else {GIVEN: result._initial}
     rows |= {name: found for name, found in result.references.items() if name == GIVEN_ROW}
     compared = [*shown.items()][:-1]
     return rows | dict(compared)

@@ -16,9 +16,9 @@ from matplotlib.gridspec import GridSpecBase
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FIRST_YIELD
-from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
+from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
 from ..collision import Array
-from ..designs.comparison import DESIGN, GIVEN, same_as, shown_chains
+from ..designs.comparison import DESIGN, GIVEN, compared_chains, same_as, shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
 from ..designs.exact_gradients import PEAK
 from ..designs.measures import BODY_PEAK, label_in, without_in_words
@@ -153,9 +153,31 @@ def _draw_curves(
         label = f"force on {where}{' [N]' * si}"
     axes.set_ylabel(label)
     axes.margins(x=0.0)
-    title = YIELD_ASSUMED if assumes_pressure(result.chain) else ""
-    place_legend(axes, own=own, title=title)
+    if walled:
+        _name_given_chain(result, {each.name for each in curves}, axes)
+    place_legend(axes, own=own, title=_assumed(result))
     return axes
+
+
+def _assumed(result: DesignResult) -> str:
+    """The yield pressure that contacts of the design assume; empty without one."""
+    return f"{YIELD_ASSUMED} {DEFINED}" if assumes_pressure(result.chain) else ""
+
+
+def _name_given_chain(result: DesignResult, drawn: set[str], axes: Axes) -> None:
+    """Add the peak of a given chain that is not drawn to the legend."""
+    given = compared_chains(result).get(GIVEN)
+    key = PEAK.key if result.chain.right_wall is not None else BODY_PEAK
+    if given is None or GIVEN in drawn or key not in given.values:
+        return
+    unit = " N" if result.chain.units == "SI" else ""
+    peak, yielding = (in_column([own.get(key, np.nan)], 4)[0] + unit
+                      for own in (given.values, given.yielding))  # fmt: skip
+    parts = [f"not drawn: {GIVEN}, peak {peak}"]
+    if key in given.yielding:
+        caution = f", {OUTSIDE_LAW}" * given.yielding_outside_range
+        parts += ["(with yield,", f"{FIRST_YIELD:g} Y: {yielding}{caution})"]
+    axes.plot([], [], " ", label=_wrapped(axes, parts))
 
 
 def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes) -> str:
@@ -284,13 +306,14 @@ def plot_front(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         x, y, outside = np.array(points).T
         x, y, outside = across * x, up * y, outside.astype(bool)
         _join_points(result, x, y, axes)
+        law = "their law" if assumes_pressure(result.chain) else "Hertz's law"
         for flags, face, where in ((~outside, COLOURS[1], "within"), (outside, "none", "outside")):
             if flags.any():
                 axes.plot(x[flags], y[flags], "o", color=COLOURS[1], markerfacecolor=face,
-                          label=f"{where} the range of Hertz's law")  # fmt: skip
+                          label=f"{where} the range of {law}")  # fmt: skip
         _draw_yielding_points(result, (second, across), (first, up), axes)
         draw_compared_rows(result, (second, across, x_unit), (first, up, y_unit), axes)
-        place_legend(axes)
+        place_legend(axes, title=_assumed(result))
         if without := without_in_words(result.chain):
             # The row is drawn with them.
             words |= {str(each): f"{each.label}{without}" for each in result.problem.measures

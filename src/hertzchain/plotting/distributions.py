@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Final
 
 from matplotlib.axes import Axes
 
-from ..representation import usual_unit, with_decimals
+from ..chain.yield_pressure import YIELD_ASSUMED
+from ..representation import in_column, usual_unit, with_decimals
 from .colours import COLOURS, grey
 from .legends import place_legend
 from .style import figure_style, get_axes, label_narrow_axis, set_title, with_micro
@@ -28,12 +29,13 @@ def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
         factor, unit = usual_unit(found.nominal, found.unit)
         axes.hist(factor * found.values, bins="auto", color=COLOURS[5],
                   edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
-        elastic = "" if math.isnan(found.yielding) else ", elastic contacts"
         shown = f" {with_micro(unit)}" if unit != "1" else ""
         marked = [percent for percent in MARKED if not found._few_values_note([percent])]
         nominal, mean, *places = _in_words(found, factor, marked)
+        beyond = "" if math.isnan(found.yielding) else _if_yielding(found, factor, shown)
         axes.axvline(factor * found.nominal, color=grey(axes),
-                     label=f"nominal chain{elastic}: {nominal}{shown}")  # fmt: skip
+                     label=f"nominal chain{', elastic contacts' * bool(beyond)}: {nominal}{shown}"
+                           f"{beyond}")  # fmt: skip
         axes.axvline(factor * found.mean, color=COLOURS[2], linestyle="--",
                      label=f"mean: {mean}{shown}")  # fmt: skip
         label = f"{', '.join(MARKED[each] for each in marked)}: {', '.join(places)}{shown}"
@@ -53,26 +55,35 @@ def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[s
         shown = f" {with_micro(unit)}" if unit != "1" else ""
         for name, each, colour in zip(names, (low, high), (COLOURS[5], COLOURS[1]), strict=True):
             marked = [] if each._few_values_note([95.0]) else [95.0]
-            _, mean, *places = _in_words(each, factor, marked)
+            nominal, mean, *places = _in_words(each, factor, marked)
             most = "".join(f", 95% below {place}{shown}" for place in places)
-            axes.hist(factor * each.values, bins="auto", color=colour, alpha=0.6,
-                      edgecolor=axes.get_facecolor(), linewidth=0.5,
-                      label=f"{name}: mean {mean}{shown}{most}")  # fmt: skip
+            label = f"{name}: nominal {nominal}{shown}, mean {mean}{shown}{most}"
+            axes.hist(factor * each.values, bins="auto", color=colour, alpha=0.6, label=label,
+                      edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
             for percent in marked:
                 axes.axvline(factor * each.percentile(percent), color=colour, linestyle=":")
-        # The title of the first one would name its pressure alone.
-        _finish(axes, high, unit, own=True)
+        # The legend has the pressures.
+        title = chain_title(low.chain).replace(YIELD_ASSUMED, "contacts yield")
+        _finish(axes, low, unit, own=True, title=title)
     return axes
 
 
-def _finish(axes: Axes, found: Distribution, unit: str, *, own: bool) -> None:
+def _finish(axes: Axes, found: Distribution, unit: str, *, own: bool, title: str = "") -> None:
     """Label the axes, and name the chain and its deviations."""
     label_narrow_axis(axes)
     axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
-    axes.set_ylabel("number of chains")
+    axes.set_ylabel(f"number of chains, of {len(found.values)}")
     deviations = with_micro(found.scatter._in_words(found.chain.units))
-    set_title(axes, f"{chain_title(found.chain)}, {deviations}".replace("+-", "±"))
+    set_title(axes, f"{title or chain_title(found.chain)}, {deviations}".replace("+-", "±"))
     place_legend(axes, own=own)
+
+
+def _if_yielding(found: Distribution, factor: float, unit: str) -> str:
+    """The nominal value if contacts yield, unless it is outside the range of the law."""
+    if found._with_yield.outside:
+        return ", beyond yield"
+    (value,) = in_column([factor * found.yielding], 4)
+    return f"\n({value}{unit} if {YIELD_ASSUMED}; Y: yield strength)"
 
 
 def _in_words(found: Distribution, factor: float, marked: list[float]) -> list[str]:

@@ -124,6 +124,14 @@ def label_and_style(axes: Axes, *, compared: bool) -> None:
     _end_together(axes, lines)
 
 
+def same_style(axes: Axes, other: Axes) -> None:
+    """Draw the forces in axes with the widths and opacities of the same runs in other axes."""
+    styles = {line.run: (line.get_linewidth(), line.get_alpha()) for line in force_lines(other)}
+    for line in force_lines(axes):
+        width, opacity = styles[line.run]
+        line.set(linewidth=width, alpha=opacity)
+
+
 def raise_hidden(lines: Sequence[ForceLine]) -> None:
     """Draw a curve of a run that a later one covers as dashes on top of it."""
     for one, other in itertools.combinations(lines, 2):

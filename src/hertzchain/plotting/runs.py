@@ -32,6 +32,7 @@ from .force_lines import (
     force_lines,
     label_and_style,
     raise_hidden,
+    same_style,
     with_peaks,
 )
 from .legends import place_legend
@@ -352,6 +353,7 @@ def plot_forces_of_runs(runs: Mapping[str, Run], beads: Mapping[str, Sequence[in
             own = [literal(names[i]).replace(", ", ",\u00a0") for i in group.curves]
             separator = "; " if "," in "".join(own) else ", "
             finish_enlarged(axes, first, separator.join(own), short=group.short)
+            same_style(axes, first)
         if not common:
             for axes, name in zip(grid[1:, 0], names[1:], strict=True):
                 with_peaks(axes, runs[name].chain.units)

@@ -24,6 +24,7 @@ from matplotlib.rcsetup import cycler
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 
 from ..chain.chain import Chain
+from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, check_type
@@ -226,7 +227,10 @@ def set_title(axes: Axes, text: str, *, common: bool = False) -> None:
     it is ``common`` to both.
     """
     present = axes.get_title()
-    if journal_width.get() is not None or present not in ("", _titles.get(axes)):
+    if journal_width.get() is not None:
+        # Only the assumption remains.
+        text = f"{YIELD_ASSUMED} {DEFINED}" if YIELD_ASSUMED in text else ""
+    if present not in ("", _titles.get(axes)):
         return
     # Labels that are drawn later make the axes narrower.
     title = broken_title(text, int(0.92 * _letters_along(axes, "width")))
@@ -240,8 +244,16 @@ def set_title(axes: Axes, text: str, *, common: bool = False) -> None:
 def broken_title(text: str, letters: int) -> str:
     """A title in lines of so many letters, which end at commas and semicolons where possible."""
     wrapper = textwrap.TextWrapper(letters, break_long_words=False, break_on_hyphens=False)
-    parts = wrapper.wrap(re.sub("(?<![,;:]) ", "\u00a0", text))
+    whole = text.replace(DEFINED, DEFINED.replace(" ", "\u00a0"))
+    parts = wrapper.wrap(re.sub("(?<![,;:]) ", "\u00a0", whole))
     return "\n".join(wrapper.fill(part.replace("\u00a0", " ")) for part in parts)
+
+
+def with_line(axes: Axes, text: str) -> Axes:
+    """Add a line to the title of axes."""
+    lines = [line for line in (axes.get_title(), text) if line]
+    axes.set_title("\n".join(lines))
+    return axes
 
 
 def set_figure_title(figure: Figure, text: str) -> None:

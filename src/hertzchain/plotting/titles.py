@@ -23,7 +23,7 @@ from ..chain.description import (
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
 from ..chain.walls import Wall
-from ..chain.yield_pressure import YIELD_ASSUMED, assumes_pressure
+from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
 from ..representation import measure
 from .style import literal
 
@@ -55,8 +55,9 @@ def title_parts(chain: Chain, *, strikers: bool = True) -> list[str]:
 
 
 def chain_title(chain: Chain) -> str:
-    """The same with the precompression, escaped for Matplotlib."""
-    return literal(", ".join(filter(None, (chain_words(chain), load_in_title(chain)))))
+    """The same with the precompression, and Y in words, escaped for Matplotlib."""
+    words = chain_words(chain).replace(YIELD_ASSUMED, f"{YIELD_ASSUMED} {DEFINED}")
+    return literal(", ".join(filter(None, (words, load_in_title(chain)))))
 
 
 def load_in_title(chain: Chain) -> str:
@@ -109,6 +110,8 @@ def _with_strikers(beads: str, chain: Chain, odd: OddBead | None, *, named: bool
         return [beads, *balls]
     strikers = "a striker" if first == 1 else f"{first} strikers"
     # The radius of a striker of a given mass need not be its size.
+    if first == 1 and not chain.strikers_are_spheres:
+        strikers += f" of {mass_in_words(float(chain.masses[0]))}"
     own = [sizes_in_words(radii[:first])] if chain.strikers_are_spheres else balls
     if own == balls:
         return [f"{beads} and {strikers}", *balls]

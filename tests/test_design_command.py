@@ -380,6 +380,19 @@ def test_unknown_names_of_all_tables_are_reported_together(file):
     ]
 
 
+def test_invalid_values_of_all_tables_are_reported_together(file):
+    limits = '[design.subject_to]\nlength = "80"\n"velocity@last" = "= 1"\n'
+    limits += "[design.scatter]\nradius = -0.1\n"
+    file.write_text(re.sub("seed = .*", "seed = -1", PROBLEM) + limits)
+    with pytest.raises(hc.InputError) as error:
+        hc.load_design(file)
+    head, *found = str(error.value).splitlines()
+    assert head.endswith("4 errors:"), found
+    starts = "seed must be", "scatter of the radius", "the constraint on length"
+    for line, start in zip(found, (*starts, "the constraint on velocity@last"), strict=True):
+        assert line.strip().startswith(start)
+
+
 STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)
 
 

@@ -219,6 +219,16 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     assert lines[3].split() == ["nominal", f"{low.nominal:.2f}", "N", f"{high.nominal:.2f}", "N"]
     assert lines[-1].startswith("note: Y: yield strength")
     assert "2.8 Y" not in run(*command, FULL).stdout
+    # Each cause alone has the values that it has without other options.
+    causes = ("scatter", "--speed-scatter", "3%", "--causes", *command[1:], "elastic-plastic")
+    alone = json.loads(run(*causes, "--json").stdout)["causes"]
+    assert sorted(each["cause"] for each in alone) == ["1% scatter", "speed +-3%"]
+    spreads = {each["cause"]: each["standard_deviation"] for each in alone}
+    assert spreads["1% scatter"] == low.standard_deviation
+    assert [*spreads.values()] == sorted(spreads.values(), reverse=True)
+    assert "each cause alone, yield 1.6 Y" in run(*causes).stdout
+    one = run("scatter", "--causes", *command[1:], "elastic-plastic")
+    assert "--causes compares at least two causes" in one.stderr
     assumed = hc.distribution(row(loss=hc.ElasticPlastic()), "wall_force.peak",
                               hc.Scatter(0.01, samples=4), seed=1)  # fmt: skip
     assert "1.6 Y" in assumed.plot().get_title()

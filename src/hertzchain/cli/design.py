@@ -50,7 +50,8 @@ from .wrapped_text import show_text
 @click.option(
     "--dry-run",
     is_flag=True,
-    help="Show the method, the values of the given chain and the estimated time, without a search.",
+    help="Show the method, the values of the given chain and the estimated time, without a "
+    "search.  The file is checked as for a search, with the same exit codes.",
 )
 @click.option(
     "--loss",

@@ -27,6 +27,7 @@ from .options import (
 )
 from .output import save_figure, show_json
 from .progress import progress_bar
+from .scatter_causes import causes_document, causes_of, causes_table, each_alone
 from .wording import on_command_line
 from .wrapped_text import show_text
 
@@ -99,6 +100,11 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
     "--chains", "count", type=int, default=300, show_default=True, help="Number of chains."
 )
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of the random numbers.")
+@click.option(
+    "--causes", "apart", is_flag=True,
+    help="Also simulate each cause alone, with as many chains, and list the causes by their "
+    "standard deviation.",
+)  # fmt: skip
 @quantity_option
 @until_option
 @json_option()
@@ -107,8 +113,8 @@ PERCENTILES: Final = (1, 5, 50, 95, 99)
 def scatter(
     options: ChainOptions, relative: str | None, grade: int | None, gaps: str | None,
     of_speed: str | None, of_young: tuple[str, ...], of_yield: tuple[str, ...], some: str | None,
-    count: int, seed: int, quantity: str | None, until: str | None, as_json: bool, as_csv: bool,
-    plot: Path | None,
+    count: int, seed: int, apart: bool, quantity: str | None, until: str | None, as_json: bool,
+    as_csv: bool, plot: Path | None,
 ) -> int:  # fmt: skip
     """Show how much random deviations change a quantity.
 
@@ -125,6 +131,7 @@ def scatter(
       hertzchain scatter chain.toml --gaps 5um
       hertzchain scatter chain.toml --grade 100 --speed-scatter 2%
       hertzchain scatter chain.toml --young-scatter 1% --young-scatter nylon=20%
+      hertzchain scatter chain.toml --grade 100 --gaps 5um --speed-scatter 2% --causes
     """
     import hertzchain
 
@@ -147,35 +154,38 @@ def scatter(
     chain = chain_from(options)
     part = None if relative is None else _part(relative, chain)
     name, end = str(measure_from(quantity, chain)), time_from("--until", until, chain)
-    apart = None if gaps is None else length_from("--gaps", gaps, chain)
+    sizes = None if gaps is None else length_from("--gaps", gaps, chain)
     speed = None if of_speed is None else relative_deviation("--speed-scatter", as_typed(of_speed))
     young = _of_materials("--young-scatter", of_young)
     strength = _of_materials("--yield-scatter", of_yield)
     deviations = hertzchain.Scatter(
-        part, grade, samples=count, beads=some, gaps=apart, speed=speed, young=young,
+        part, grade, samples=count, beads=some, gaps=sizes, speed=speed, young=young,
         yield_strength=strength,
     )  # fmt: skip
 
-    def simulated(row: Chain, words: str = "") -> Distribution:
+    causes = causes_of(deviations, chain, as_csv=as_csv) if apart else {}
+
+    def simulated(row: Chain, words: str = "", cause: str = "") -> Distribution:
         with progress_bar(f"chains simulated{words}") as progress:
             return hertzchain.distribution(
-                row, name, deviations, until=end, seed=seed, progress=progress
+                row, name, causes.get(cause, deviations), until=end, seed=seed, progress=progress
             )
 
     found = simulated(chain)
+    alone = each_alone(chain, causes, simulated)
     harder = (
         None if as_csv and plot is None else _at_fully_plastic_pressure(chain, found, simulated)
     )
     if plot is not None:
         save_figure(_plotted(found, harder), plot)
     if as_json:
-        show_json(_document(found, harder))
+        show_json(_document(found, harder) | {"causes": causes_document(alone)})
     elif as_csv:
         unit = "" if found.unit == "1" else f" [{found.unit}]"
         click.echo(f"{found.quantity}{unit}")
         click.echo("\n".join(map(repr, found.values.tolist())))
     else:
-        show_text(_table(found, harder))
+        show_text("\n".join(filter(None, (_table(found, harder), causes_table(alone, harder)))))
     return FAILED if found.failed else DONE
 
 

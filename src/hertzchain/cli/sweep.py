@@ -97,7 +97,10 @@ def sweep() -> None:
 @click.option("--shard", metavar="i/n", help="Compute only part i of n, into a separate store.")
 @_skip_damaged
 @click.option(
-    "--dry-run", is_flag=True, help="Estimate points, disk space and time; compute nothing."
+    "--dry-run",
+    is_flag=True,
+    help="Estimate points, disk space and time; compute nothing.  The specification and an "
+    "existing store are checked as for a sweep.",
 )
 @json_option("Print the outcome as JSON.")
 def run(

@@ -27,7 +27,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any, Final
@@ -51,8 +51,10 @@ from ..validation.objects import file_path, shown_path
 from . import vary as variables
 from .balls import SHIPPED
 from .measures import unknown_quantities
+from .objective import objectives_from
 from .problem import Design, Variable
-from .scatter import Scatter
+from .requirements import requirements_from
+from .scatter import Scatter, scatter_from
 from .search_budget import budget_from
 
 PROBLEM: Final = (
@@ -139,20 +141,52 @@ def read_design(
         raise_all([*_unknown_names(document, table, entries)])
         if "chain" not in document:
             raise InputError("it has no table [chain]")
-        given = {key: table[key] for key in PROBLEM if key in table}
-        given["vary"] = [_variable(entry, file.parent) for entry in entries]
         if not entries:
             raise InputError(
                 "it has no table [[design.vary]] with what may vary, such as diameters = ['5 mm', "
                 "'20 mm'] or balls = 'bearing-balls'"
             )
-        chain = chain_from(document, file.parent)
-        problem = Design(chain if change is None else change(chain), **given)
-        if "budget" in table:
-            budget_from(table["budget"])
-        if "seed" in table:
-            whole_number("seed", table["seed"], least=0)
+        given = {key: table[key] for key in PROBLEM if key in table}
+        chain, given["vary"] = _values(document, table, entries, file.parent, change)
+        problem = Design(chain, **given)
     return problem, {key: table[key] for key in OPTIONS if key in table}
+
+
+def _values(
+    document: Mapping[str, Any], table: Mapping[str, Any], entries: Sequence[Any], folder: Path,
+    change: Callable[[Chain], Chain] | None,
+) -> tuple[Chain, list[Variable]]:  # fmt: skip
+    """The chain and the variables; all invalid values of the file are reported together."""
+    found, errors = dict[str, Any](), list[InputError]()
+
+    def attempt(name: str, function: Callable[..., Any], *arguments: Any, **more: Any) -> None:
+        try:
+            found[name] = function(*arguments, **more)
+        except InputError as error:
+            errors.append(error)
+
+    attempt("chain", chain_from, document, folder)
+    for i, entry in enumerate(entries):
+        attempt(f"vary {i}", _variable, entry, folder)
+    if "budget" in table:
+        attempt("budget", budget_from, table["budget"])
+    if "seed" in table:
+        attempt("seed", whole_number, "seed", table["seed"], least=0)
+    attempt("scatter", scatter_from, table.get("scatter"))
+    if "chain" in found:
+        if change is not None:
+            found["chain"] = change(found["chain"])
+        chain = found["chain"]
+        goals = (table.get(key) for key in ("minimise", "maximise", "match"))
+        attempt("goal", objectives_from, chain, *goals)
+        limits = table.get("subject_to", {})
+        parts = [{name: limits[name]} for name in limits] if isinstance(limits, Mapping) else []
+        for each in parts or [limits]:
+            attempt("limit", requirements_from, each, chain)
+    if len(errors) == 1:
+        raise errors[0]
+    raise_all([*map(str, errors)])
+    return found["chain"], [found[f"vary {i}"] for i in range(len(entries))]
 
 
 def _unknown_names(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Final
 
 import numpy as np
@@ -206,6 +206,17 @@ class Scatter:
             return chains
         spreads = {"young": self.young or 0.0, "yield_strength": self.yield_strength or 0.0}
         return with_random_materials(chains, spreads, draws[..., 3:])
+
+    def _causes(self, units: str) -> dict[str, Scatter]:
+        """Scatters with one of the causes each, by their words."""
+        causes = "radius", "grade", "gaps", *_RELATIVE
+        given = [key for key in causes if getattr(self, key) is not None]
+        found = {}
+        for own in given:
+            others: dict[str, Any] = {key: None for key in given if key != own}
+            alone = replace(self, **others)
+            found[alone._in_words(units)] = alone
+        return found
 
     def _in_words(self, units: str) -> str:
         """Such as ``1% scatter, random gaps (5 um)``."""

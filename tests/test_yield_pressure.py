@@ -5,11 +5,13 @@ import json
 import math
 import re
 
+import click
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.chain.yield_pressure import assumes_pressure, note_on_soft_balls, with_factor
+from hertzchain.cli.scatter_causes import causes_document, causes_of, causes_table, each_alone
 from hertzchain.plotting.distributions import plot_at_both_pressures
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -219,16 +221,6 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     assert lines[3].split() == ["nominal", f"{low.nominal:.2f}", "N", f"{high.nominal:.2f}", "N"]
     assert lines[-1].startswith("note: Y: yield strength")
     assert "2.8 Y" not in run(*command, FULL).stdout
-    # Each cause alone has the values that it has without other options.
-    causes = ("scatter", "--speed-scatter", "3%", "--causes", *command[1:], "elastic-plastic")
-    alone = json.loads(run(*causes, "--json").stdout)["causes"]
-    assert sorted(each["cause"] for each in alone) == ["1% scatter", "speed +-3%"]
-    spreads = {each["cause"]: each["standard_deviation"] for each in alone}
-    assert spreads["1% scatter"] == low.standard_deviation
-    assert [*spreads.values()] == sorted(spreads.values(), reverse=True)
-    assert "each cause alone, yield 1.6 Y" in run(*causes).stdout
-    one = run("scatter", "--causes", *command[1:], "elastic-plastic")
-    assert "--causes compares at least two causes" in one.stderr
     assumed = hc.distribution(row(loss=hc.ElasticPlastic()), "wall_force.peak",
                               hc.Scatter(0.01, samples=4), seed=1)  # fmt: skip
     assert "1.6 Y" in assumed.plot().get_title()
@@ -241,6 +233,29 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     ]
     assert "contacts yield (Y: yield strength)" in axes.get_title().replace("\n", " ")
     assert axes.get_ylabel() == "number of chains, of 4"
+
+
+def test_causes_of_a_scatter_are_simulated_alone_and_sorted():
+    chain = hc.Chain.uniform(3).replace(right_wall=hc.Wall())
+    both = hc.Scatter(0.001, speed=0.03, samples=4)
+    causes = both._causes(chain.units)
+    assert list(causes) == ["0.1% scatter", "speed +-3%"]
+
+    def simulated(given, _, cause):
+        return hc.distribution(given, "wall_force.peak", causes[cause])
+
+    alone = each_alone(chain, causes, simulated)
+    assert list(alone) == ["speed +-3%", "0.1% scatter"]
+    single = hc.distribution(chain, "wall_force.peak", hc.Scatter(0.001, samples=4))
+    assert np.array_equal(alone["0.1% scatter"].values, single.values)
+    document = causes_document(alone)[1]
+    assert document["standard_deviation"] == single.standard_deviation
+    lines = causes_table(alone, single).splitlines()
+    assert lines[0].strip().startswith("each cause alone, yield 1.6 Y")
+    assert lines[1].split()[:2] == ["speed", "+-3%"]
+    assert lines[3].split()[-1] == "100%"
+    with pytest.raises(click.UsageError, match="at least two causes"):
+        causes_of(hc.Scatter(0.001), chain, as_csv=False)
 
 
 def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):

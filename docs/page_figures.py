@@ -352,7 +352,7 @@ def design_protector() -> Figure:
             row.set_title(name, pad=10.0)
             for label, law, colour, dashes in (
                 ("elastic", None, COLOURS[0], "-"),
-                ("with yield", hc.ElasticPlastic(), COLOURS[2], "--"),
+                ("yield at 1.6 $Y$", hc.ElasticPlastic(), COLOURS[2], "--"),
             ):
                 run = hc.simulate(each.replace(loss=law), until=1.3e-3, times=2000)
                 force = run.wall_force().force

@@ -121,7 +121,7 @@ def test_compare_and_fit_use_the_same_part_of_the_data(run, files):
     assert found["interval"] == pytest.approx([30e-6, 450e-6], abs=SPACING)
     assert found["time_offset"] == pytest.approx(expected.time_offset, abs=0.1 * SPACING)
     assert not any("before the record ends" in each for each in found["notes"])
-    free = ("--free", "stiffness", "--free", "time_offset", "--starts", 1)
+    free = ("--free", "stiffness", "--free", "time_offset", "--starts", 1, "--no-diagnosis")
     out = run("fit", files / "one.csv", files / "row.toml", *PLACES, *free, *cut).stdout
     fitted = json.loads(out)
     assert fitted["samples"] == sum(int(each.valid.sum()) for _, each in part)

@@ -28,8 +28,18 @@ def cvar90(chain, seed):
     return peaks[-FRESH // 10 :].mean()
 
 
-def test_the_design_and_the_references_have_the_same_new_samples():
-    found = hc.design(PROBLEM, budget=600, seed=2)
+@pytest.fixture(scope="module")
+def second():
+    return hc.design(PROBLEM, budget=600, seed=2)
+
+
+@pytest.fixture(scope="module")
+def first():
+    return hc.design(PROBLEM, budget=600)
+
+
+def test_the_design_and_the_references_have_the_same_new_samples(second):
+    found = second
     for each in (found.verified, *found.references.values()):
         sampled = each.scattered["CVaR90 of wall_force.peak"]
         assert sampled == pytest.approx(cvar90(each.chain, 2), rel=1e-6)
@@ -37,8 +47,8 @@ def test_the_design_and_the_references_have_the_same_new_samples():
     assert not any(each.scattered for each in found.runners_up)
 
 
-def test_references_are_compared_by_the_statistic_of_the_scatter():
-    found = hc.design(PROBLEM, budget=600, seed=2)
+def test_references_are_compared_by_the_statistic_of_the_scatter(second):
+    found = second
     own = cvar90(found.chain, 2)
     lines = found.summary().splitlines()
     assert len(found.references) == 3
@@ -59,8 +69,8 @@ def test_references_are_compared_by_the_statistic_of_the_scatter():
     assert "CVaR90 in the search" in found._repr_html_()
 
 
-def test_references_that_violate_a_limit_in_new_samples_are_not_compared():
-    found = hc.design(PROBLEM, budget=600)
+def test_references_that_violate_a_limit_in_new_samples_are_not_compared(first):
+    found = first
     name, other = next(iter(found.references.items()))
     worse = 1.01 * other.values["wall_force.peak"]
     assert worse < other.scattered["CVaR90 of wall_force.peak"]
@@ -125,7 +135,7 @@ def test_lines_state_what_is_verified(monkeypatch):
         assert f"{FRESH} of {FRESH} new samples of the scatter, {what}" in texts
 
 
-def test_the_initial_chain_of_a_figure_needs_no_new_samples():
-    found = hc.design(PROBLEM, budget=600)
+def test_the_initial_chain_of_a_figure_needs_no_new_samples(first):
+    found = first
     assert found._initial.scattered == {}
     assert found.problem.evaluate(WALLED).scattered["mean of wall_force.peak"] > 0.0

@@ -355,7 +355,7 @@ def public_calls(folder):
         "Wall.of": tried(hc.Wall.of, name="brass", gap=0.0),
         "Wall.rigid": tried(hc.Wall.rigid, gap=0.0),
         "Run.save": tried(run.save, path=folder / "a.csv"),
-        "Run.animate": tried(run.animate, path=folder / "a.gif"),
+        "Run.animate": tried(run.animate, path=folder / "a.gif", frames=2),
         "Run.save_forces": tried(run.save_forces, path=folder / "f.csv", sensors=[1]),
         "save_run": tried(hc.save_run, run=run, path=folder / "a.nc"),
         "export_sweep": tried(

@@ -35,7 +35,7 @@ def parsed(item):
     return root, " ".join(" ".join(root.itertext()).split())
 
 
-@pytest.fixture(scope="module", params=[(n, u) for u in UNITS for n in (3, 1000)], ids=str)
+@pytest.fixture(scope="module", params=[(n, u) for u in UNITS for n in (3, 300)], ids=str)
 def results(request):
     beads, units = request.param
     chain = balls(beads, units).replace(right_wall=hc.Wall())

@@ -21,7 +21,7 @@ from hertzchain.sweeps.specification import read_specification
 from hertzchain.theory import RatioCorrection
 from hertzchain.verification.case import Case as KnownValue
 
-BEADS = (3, 1000)
+BEADS = (3, 300)
 UNITS = ("scaled", "SI")
 
 

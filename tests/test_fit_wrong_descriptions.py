@@ -146,7 +146,9 @@ def test_a_wrong_sampling_interval_is_named_if_the_fit_is_far_from_a_prior(facto
     )
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2, 3))]
+)
 def test_a_slightly_stiffer_wall_is_no_noise(seed):
     """Its effect is about that of noise of the times, but another fit removes all of it."""
     priors = {"struck_by.velocity": (VELOCITY, 0.01 * VELOCITY)}

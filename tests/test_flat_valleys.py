@@ -10,7 +10,7 @@ GAP = "gap[2-3]"
 OFFSET = TRUTH["time_offset"]
 
 
-@pytest.mark.parametrize("start", [20e-6, 30e-6])
+@pytest.mark.parametrize("start", [20e-6, pytest.param(30e-6, marks=pytest.mark.long)])
 def test_a_gap_that_only_delays_the_signals_is_not_determined(start):
     # The first sensor is in ball 5, and ball 2 has left ball 1 before it reaches ball 3.
     starts = {GAP: start, "time_offset": OFFSET - (start - 20e-6) / 0.25}

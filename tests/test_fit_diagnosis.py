@@ -59,7 +59,7 @@ def test_one_offset_is_named_alone():
     assert "add 'offset[ball 10]' to" in advice
 
 
-@pytest.mark.parametrize("size", [0.5, 0.2])
+@pytest.mark.parametrize("size", [pytest.param(0.5, marks=pytest.mark.long), 0.2])
 def test_a_second_pulse_is_named_with_its_time_and_size(size):
     delay = round(120e-6 / SPACING)
 
@@ -209,13 +209,18 @@ def test_chi2_is_stated_for_each_sensor():
         (lambda c: c | {A: -c[A], WALL: -c[WALL]}, "the opposite sign of ball 5 and wall"),
         (lambda c: c | {A: 1e-3 * c[A]}, "the values of ball 5 multiplied by 1000"),
         (lambda c: c | {WALL: 1e3 * c[WALL]}, "the values of wall multiplied by 0.001"),
-        (lambda c: c | {WALL: 10.0 * c[WALL]}, "the values of wall multiplied by 0.1"),
+        pytest.param(
+            lambda c: c | {WALL: 10.0 * c[WALL]}, "the values of wall multiplied by 0.1",
+            marks=pytest.mark.long,
+        ),
         pytest.param(
             lambda c: c | {A: 0.01 * c[A], WALL: 10.0 * c[WALL]},
             "the values of ball 5 multiplied by 100 and the values of wall multiplied by 0.1",
             marks=pytest.mark.long,
         ),
-        (lambda c: c | {B: 2.0 * c[B]}, "gain[ball 10] = 2"),
+        pytest.param(
+            lambda c: c | {B: 2.0 * c[B]}, "gain[ball 10] = 2", marks=pytest.mark.long
+        ),
     ],
     ids=["two columns", "three columns", "sign", "two signs", "kN", "mN", "x10 probe", "two probes",
          "gain"],
@@ -317,9 +322,8 @@ def test_a_missing_or_fixed_loss_is_named(loss):
     assert np.abs(deviations).max() < 3.5
 
 
-@pytest.mark.parametrize(("change", "words"), [
-    (-1, "one ball more"), pytest.param(1, "one ball fewer", marks=pytest.mark.long),
-])  # fmt: skip
+@pytest.mark.long
+@pytest.mark.parametrize(("change", "words"), [(-1, "one ball more"), (1, "one ball fewer")])
 def test_a_wrong_number_of_balls_is_named(change, words):
     row = hc.Chain.from_materials(RADIUS, "steel-52100", beads=BALLS + change)
     wrong = row.struck_by(velocity=0.26).replace(

@@ -27,6 +27,7 @@ def best_of(result, names):
     return min((each for each in found if each is not None), key=lambda each: each.cost)
 
 
+@pytest.mark.long
 def test_a_large_gap_in_front_of_the_first_sensor_is_found_but_not_its_size():
     result = undiagnosed(traces(gap=20e-6, behind=2))
     assert not result.describes
@@ -43,23 +44,27 @@ def test_a_large_gap_in_front_of_the_first_sensor_is_found_but_not_its_size():
     assert places == [f"gap[{k}-{k + 1}]" for k in range(5)]
 
 
-def test_a_gap_of_twice_the_unit_of_the_motion_is_found_in_front_of_the_first_sensor():
+@pytest.fixture(scope="module")
+def medium():
+    """The fit without a gap of 8 um in front of the first sensor."""
+    return undiagnosed(traces(gap=8e-6, behind=2))
+
+
+def test_a_gap_of_twice_the_unit_of_the_motion_is_found_in_front_of_the_first_sensor(medium):
     # From half or five times the unit, rough fits end at another size.
-    result = undiagnosed(traces(gap=8e-6, behind=2))
-    gap = best_of(result, ["gap[1-2]", "gap[2-3]", "gap[3-4]"])
+    gap = best_of(medium, ["gap[1-2]", "gap[2-3]", "gap[3-4]"])
     assert str(gap.name) == "gap[2-3]"
     assert gap.size == pytest.approx(8e-6, rel=0.1)
-    assert gap.cost < 0.1 * result.chi2
+    assert gap.cost < 0.1 * medium.chi2
 
 
-def test_neighbours_of_the_contact_that_rough_fits_prefer_are_fitted(monkeypatch):
-    result = undiagnosed(traces(gap=8e-6, behind=2))
-    near = gap_names(result.chain)[1:4]
+def test_neighbours_of_the_contact_that_rough_fits_prefer_are_fitted(medium, monkeypatch):
+    near = gap_names(medium.chain)[1:4]
     monkeypatch.setattr(gap_causes, "gap_names", lambda _: near)
     # Rough fits that end too early may prefer a neighbour.
     monkeypatch.setattr(gap_causes, "_likely", lambda _, rough: [rough[2]])
     monkeypatch.setattr(gap_causes, "PROMISING", -1.0)
-    causes = list(gap_causes.gap_causes(result, {}, fitted))
+    causes = list(gap_causes.gap_causes(medium, {}, fitted))
     names = [str(cause.names[0]) for cause in causes]
     assert names == ["gap[3-4]", "gap[2-3]", "gap[1-2]"]
     best = min(causes, key=lambda cause: cause.result.chi2)
@@ -75,7 +80,8 @@ def test_only_a_chain_with_a_wall_has_a_gap_there():
 
 
 @pytest.mark.parametrize(("behind", "name", "words"), [
-    (7, "gap[7-8]", "balls 7 and 8"), (LAST, "right_wall.gap", "the last ball and the wall"),
+    (7, "gap[7-8]", "balls 7 and 8"),
+    pytest.param(LAST, "right_wall.gap", "the last ball and the wall", marks=pytest.mark.long),
 ])  # fmt: skip
 def test_a_fit_names_a_small_gap_rather_than_a_delay_that_looks_like_it(behind, name, words):
     # Residuals are within the uncertainty of noise that is correlated, so that samples count less.
@@ -86,7 +92,9 @@ def test_a_fit_names_a_small_gap_rather_than_a_delay_that_looks_like_it(behind, 
     assert f"check for a gap between {words}" in advice
 
 
-@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize(
+    "seed", [*range(3), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(3, 10))]
+)
 def test_no_gap_is_named_in_a_row_without_one(seed):
     assert not hc.fit(traces(seed), chain(), free=FREE).advice
 

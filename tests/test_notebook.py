@@ -548,5 +548,5 @@ def test_pages_of_walls_have_the_unit_of_a_given_stiffness():
 
 def test_scatter_has_a_view():
     _, text = parsed(hc.Scatter(radius=0.01, gaps="5 um", beads="2:", measure="cvar90"))
-    assert "Scatter 1% scatter, random gaps (5 um)" in text
+    assert "Scatter 1% scatter, random gaps (5 µm)" in text
     assert "beads 2: samples 40 measure CVaR90" in text

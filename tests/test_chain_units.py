@@ -238,7 +238,7 @@ def test_scaled_chains_are_passed_on_as_they_are():
 @pytest.mark.parametrize("theory", [hc.modified_bca, hc.local_rate])
 def test_messages_of_theories_describe_the_chain_as_given(theory):
     radii = 5e-3 * hc.Chain.tapered("forward-exponential", 0.3, beads=20).radii
-    radii[5] *= 1.001  # no taper
+    radii[5:10] *= 1.001  # no taper
     chain = hc.Chain.from_materials(radii, "steel-316", velocity="1 um/s")
     described = re.escape(chain.description)
     assert described == r"20\ steel\-316\ beads,\ diameters\ 10\ mm\ to\ 68\.4\ um"

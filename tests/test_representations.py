@@ -265,6 +265,24 @@ def test_what_does_not_fit_ends_in_an_ellipsis():
             velocity=0.1,
          ),
          "Chain(9 brass beads, diameters 20 mm to 8 mm, linear taper, impact at 0.1 m/s)"),
+        (hc.Chain.tapered(
+            first_diameter="20 mm", last_diameter="8 mm", beads=20, material="brass", velocity=0.1,
+         ).with_defects(diameters={10: "14 mm"}),
+         "Chain(20 brass beads, diameters 20 mm to 8 mm, exponential taper, 1 changed bead, impact "
+         "at 0.1 m/s)"),
+        (hc.Chain.tapered(
+            "linear", first_diameter="8 mm", last_diameter="20 mm", beads=20, material="brass",
+            velocity=0.1,
+         ).with_defects({1: "7 mm", 2: "7 mm", 20: "7 mm"}),
+         "Chain(20 brass beads, diameters 8 mm to 20 mm, linear taper, 3 changed beads, impact at "
+         "0.1 m/s)"),
+        (hc.Chain.from_materials([5e-3, 7e-3, 4e-3, 3e-3], "brass", velocity=0.1),
+         "Chain(4 brass beads, diameters between 6 mm and 14 mm, impact at 0.1 m/s)"),
+        (hc.Chain.tapered("backward-exponential", 0.05, beads=60).with_defects({1: 0.5, 9: 2.0}),
+         "Chain(backward-exponential, q = 0.05, 2 changed beads, 60 beads)"),
+        (hc.Chain.tapered("forward-linear", 0.01, beads=9).with_defects({9: 2.0}).struck_by(),
+         "Chain(forward-linear, S = 0.01, 1 changed bead, 9 beads, and 1 striker)"),
+        (hc.Chain.from_radii([2.0, 0.95, 0.9, 0.85, 0.8, 0.75]), "Chain(given radii, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.4, 0.9, 0.3, 0.8]), "Chain(given radii, 5 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 0.3] * 2), "Chain(cells of 3 beads, 6 beads)"),
         (hc.Chain.from_radii([1.0, 0.5, 1.0, 0.5, 0.3]), "Chain(given radii, 5 beads)"),
@@ -361,11 +379,11 @@ def test_tables_and_theories_have_views_in_notebooks():
 def test_sizes_that_scatter_are_stated_with_enough_digits(relative):
     balls = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=20)
     lot = balls.with_scatter(1, relative=relative).replace(scatter=None)
-    low, high = map(float, re.search(r"diameters ([\d.]+) mm to ([\d.]+) mm", repr(lot)).groups())
+    low, high = map(float, re.search(r"between ([\d.]+) mm and ([\d.]+) mm", repr(lot)).groups())
     deviation = 2e3 * np.ptp(lot.radii)
     assert high - low == pytest.approx(deviation, rel=0.6)
     assert 2e3 * lot.radii.min() == pytest.approx(low, abs=0.5 * deviation)
-    assert f"{low:.10g} mm to {high:.10g} mm" in hc.plot_chain(lot).get_title()
+    assert f"between {low:.10g} mm and {high:.10g} mm" in hc.plot_chain(lot).get_title()
     plt.close("all")
 
 

@@ -5,7 +5,7 @@
 - methods that return a modified chain: `modifications`, `pieces`, `strikers` with
   `striker_properties`, `impact_speed`, `with_cap` with the `cap`, and `contact_shapes`;
 - radii: `tapers`, `taper_sizes`, `random_radii`, `scattered_radii`, `repeated_cells`,
-  `decorations`; sizes in figures: `drawn_bodies`;
+  `decorations`, `changed_tapers`; sizes in figures: `drawn_bodies`;
 - masses and contacts: `materials`, `random_materials`, `mass_and_stiffness`, exponents and
   losses `per_contact`, `contact_groups`, and the `laws` of loss;
 - ends: `walls`, `drives`, and `boundary_checks` of both with the precompression;

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .changed_tapers import taper_behind
 from .description import (
     beads_description,
     cells_in_words,
@@ -13,7 +14,6 @@ from .description import (
     shown_features,
     stiffness_in_words,
     strikers_in_words,
-    taper_behind,
 )
 from .fields import ChainFields
 from .laws.elastic import Elastic

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..representation import MAX_DIGITS, listed, measure
-from .decorations import decoration_of
+from .changed_tapers import ChangedTaper, changed_taper, taper_behind
+from .decorations import Decoration, decoration_of
 from .materials import Material
 from .repeated_cells import cell_repeats, smallest_cell
-from .taper_sizes import SHAPES, taper_between
-from .tapers import ROUNDING, taper_named
+from .tapers import taper_named
 
 # Stiffness [N/m^1.5] from which it is in N/um^1.5.
 MICRONS: Final = 1e8
@@ -58,7 +58,8 @@ def beads_description(
         size = f"diameter {diameter_in_words(odd.usual_radius)}"
         return ", ".join(filter(None, (counted, size, odd.words, scatter)))
     if scaled:
-        kind = "uniform" if np.ptp(radii) == 0.0 else _decorated_taper(radii) or "given radii"
+        equal = np.ptp(radii) == 0.0
+        kind = "uniform" if equal else _edited_taper(radii, strikers) or "given radii"
         return f"{cells or kind}, {beads}"
     names = list(dict.fromkeys(names))
     diameters = "diameter" if np.ptp(radii) == 0.0 else "diameters"
@@ -73,11 +74,16 @@ def _taper_in_words(taper: str, parameters: Sequence[tuple[str, float]]) -> str:
     return ", ".join((taper, *(f"{symbols[name]} = {value:g}" for name, value in parameters)))
 
 
-def _decorated_taper(radii: Array) -> str:
+def _edited_taper(radii: Array, strikers: int) -> str:
     """Such as ``backward-linear, S = 0.1, decorated (ratio 0.4)``; empty for other beads."""
     decoration = decoration_of(radii)
     if decoration is None:
-        return ""
+        changed = changed_taper(radii)
+        # Without strikers, the unit of length is the first radius of the taper.
+        if changed is None or not (strikers or math.isclose(changed.radii[0], 1.0)):
+            return ""
+        taper, parameters = taper_behind(changed.radii)
+        return f"{_taper_in_words(str(taper), parameters)}, {changed.words}"
     taper, parameters = taper_behind(decoration.large)
     kind = "given radii" if taper is None else _taper_in_words(taper, parameters)
     return f"{kind}, {decoration.words}"
@@ -163,18 +169,6 @@ def implied_features(beads: str, *, scaled: bool, equal_contacts: bool) -> list[
     return implied
 
 
-def taper_behind(radii: Array) -> tuple[str | None, tuple[tuple[str, float], ...]]:
-    """Name and parameters of the taper of beads whose chain names none."""
-    ends = float(radii[0]), float(radii[-1])
-    # Any two radii are a taper, and the last radius of a steeper one is not a size.
-    if len(radii) > 2 and ends[0] != ends[1] and ends[1] / ends[0] > 2.0 ** -(len(radii) - 1):
-        for shape in SHAPES:
-            name, rate, found = taper_between(shape, len(radii), *ends)
-            if np.allclose(radii, ends[0] * found, rtol=ROUNDING, atol=0.0):
-                return name, (("rate", float(f"{rate:.12g}")),)
-    return None, ()
-
-
 def cells_in_words(radii: Array, masses: Array | None) -> str:
     """Such as ``dimer, mass ratio 0.3`` or ``cells of 3 beads``; empty without repeated cells.
 
@@ -211,7 +205,9 @@ def beads_of(count: int, noun: str, materials: Sequence[str] = ()) -> str:
 def sizes_in_words(radii: Array) -> str:
     """Diameter, or those of all but one, two in turn, the ends of a taper, or the extremes.
 
-    The ends of a decorated taper are those of its large beads; `shape_in_words` names the rest.
+    Radii that neither grow nor shrink are ``between 8 mm and 20 mm``.  The ends of a decorated
+    taper are those of its large beads, and those of a taper with changed beads are without the
+    changes; `shape_in_words` names the rest.
     """
     low, high = radii.min(), radii.max()
     if low == high:
@@ -226,16 +222,22 @@ def sizes_in_words(radii: Array) -> str:
     if decoration := decoration_of(radii):
         ends = _distinguishable(decoration.large[0], decoration.large[-1])
         return " to ".join(ends)
-    first, last = (high, low) if np.all(np.diff(radii) <= 0.0) else (low, high)
-    return " to ".join(dict.fromkeys(_distinguishable(first, last)))
+    if changed := changed_taper(radii):
+        return " to ".join(_distinguishable(changed.radii[0], changed.radii[-1]))
+    ends = dict.fromkeys(_distinguishable(low, high))
+    steps = np.diff(radii)
+    if np.all(steps <= 0.0):
+        return " to ".join(reversed(ends))
+    return " to ".join(ends) if np.all(steps >= 0.0) else f"between {' and '.join(ends)}"
 
 
 def shape_in_words(radii: Array) -> str:
-    """Such as ``exponential taper`` or ``linear taper, decorated (ratio 0.4)``, after sizes."""
-    decoration = decoration_of(radii)
-    taper, _ = taper_behind(radii if decoration is None else decoration.large)
+    """Such as ``exponential taper`` or ``linear taper, 1 changed bead``, after sizes."""
+    edit: Decoration | ChangedTaper | None = decoration_of(radii) or changed_taper(radii)
+    shape = edit.large if isinstance(edit, Decoration) else radii if edit is None else edit.radii
+    taper, _ = taper_behind(shape)
     kind = "" if taper is None else f"{taper.partition('-')[2]} taper"
-    return ", ".join(filter(None, (kind, "" if decoration is None else decoration.words)))
+    return ", ".join(filter(None, (kind, "" if edit is None else edit.words)))
 
 
 def _distinguishable(one: float, other: float) -> tuple[str, str]:

@@ -24,7 +24,7 @@ from typing import ClassVar, Final, Literal
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.description import taper_behind
+from ..chain.changed_tapers import taper_behind
 from ..chain.tapers import PAPER_TAPERS, check_taper, rate_symbol
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import InputError, ModelRangeWarning, warn_user

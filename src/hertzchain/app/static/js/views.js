@@ -100,13 +100,13 @@ export class Views {
     if (state.view.errors === "difference") {
       const late = [own, other].find((each) => each && !each.pulse.header);
       if (!other || late) replace($("legend-error"), []);
-      const compared = exact && theirs(own, other, quantity), [a, b] = state.active === "A" ? [exact, compared] : [compared, exact];
+      const compared = exact && inner(other, theirs(own, other, quantity), quantity), mine = inner(own, exact, quantity), [a, b] = state.active === "A" ? [mine, compared] : [compared, mine];
       const series = compared ? [difference("other", RELATIVE, b, a)] : [];
       const message = compared ? "" : !other ? "Choose Compare to add a second chain." : late ? whyBlank(late) : other.si === own.si ? "No value" : "Chains in SI units and in scaled variables cannot be compared.";
       this.error.draw(series, { ...BEADS, yLabel: `${quantity.replaceAll("_", " ")}: ${RELATIVE}`, percent: true, message }, `Difference of the chains: ${summary(series)}`);
       return;
     }
-    const known = jumps(own, exact) ? exact.slice(0, -1) : exact;
+    const known = inner(own, exact, quantity);
     const series = exact ? shown.map((name) => difference(name, title(name), own.theory(name, quantity), known, true)) : [];
     const estimate = quantity === "velocity" ? own.theory("local-rate", "velocity_error") : undefined;
     if (exact && estimate && !hidden.includes("local-rate")) series.push(line("estimate", "estimate of the local-rate law", estimate.slice(0, known.length), 100));
@@ -377,6 +377,8 @@ function theirs(own, other, quantity) {
 const ends = (of, y) => y?.length === of?.beads.header?.beads && !of.beads.header.walls?.includes("right");
 /** Whether it is much larger than the others, too. @param {any} of @param {any} y */
 const jumps = (of, y) => ends(of, y) && y.at(-1) * y.at(-3) > 1.2 * y.at(-2) ** 2;
+/** Values without one that jumps. @param {any} of @param {any} y @param {string} quantity */
+const inner = (of, y, quantity) => y && jumps(of, of.exact(quantity)) ? y.slice(0, -1) : y;
 
 /** The peak of a chain that has none at a yield pressure because no contact yields; otherwise unknown.
  * @param {string} label @param {any} peak */

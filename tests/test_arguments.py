@@ -2,6 +2,7 @@
 
 import dataclasses
 import inspect
+import pydoc
 import subprocess
 import sys
 
@@ -282,6 +283,24 @@ def test_private_names_are_not_suggested_for_attributes():
     chain = hc.Chain.uniform(3)
     for each in (chain, hc.bca(chain)):
         assert not [name for name in dir(each) if name[:1] == "_" != name[1:2]]
+
+
+def test_the_class_of_chains_has_builders_and_methods_but_no_fields():
+    code = "import hertzchain as hc; hc.Chain.taper('forward-linear', 0.01)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert "type object 'Chain' has no attribute 'taper'. Did you mean: 'tapered'?" in done.stderr
+    fields = {each.name for each in dataclasses.fields(hc.Chain)}
+    assert not fields & {*dir(hc.Chain)}
+    assert fields < {*dir(hc.Chain.uniform(3))} | {"given"}
+
+
+def test_help_names_methods_and_functions():
+    titles = {"Run.reflection": hc.Run.reflection, "Run.waves": hc.Run.waves,
+              "catalogue": hc.catalogue}  # fmt: skip
+    for name, item in titles.items():
+        words = f"Python Library Documentation: function {name.partition('.')[2] or name} in "
+        assert pydoc.render_doc(item, renderer=pydoc.plaintext).startswith(words)
+        assert item.__qualname__ == name
 
 
 def test_completion_sees_the_fields_of_replace():

@@ -620,7 +620,7 @@ def public_names():
     """Names of all public functions, constructors and methods that take arguments."""
     for name in hc.__all__:
         item = getattr(hc, name)
-        if inspect.isfunction(item):
+        if inspect.isfunction(item) and inspect.signature(item).parameters:
             yield name
         if not inspect.isclass(item) or issubclass(item, Exception):
             continue

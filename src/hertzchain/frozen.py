@@ -36,6 +36,18 @@ class ShortClassDir(type):
         return [name for name in super().__dir__() if name not in cls._omitted]
 
 
+def without_defaults(cls: type[Given]) -> type[Given]:
+    """Decorate a dataclass, so that the class itself has no attributes with defaults of fields.
+
+    Otherwise, fields would be completed as if they were builders, and calling one would raise that
+    `None` is not callable.
+    """
+    for each in dataclasses.fields(cls):  # type: ignore[arg-type]
+        if each.name in vars(cls):
+            delattr(cls, each.name)
+    return cls
+
+
 class Compared:
     """Dataclass with arrays, compared by its fields; NaN is equal to NaN.
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import unknown_name_error
-from ..frozen import Frozen, ShortClassDir
+from ..frozen import Frozen, ShortClassDir, without_defaults
 from ..units import unit_of_stiffness
 from ..validation.keywords import checked_methods, show_fields
 from ..validation.numbers import (
@@ -73,6 +73,7 @@ FROM_OTHERS: Final[Any] = None
 DERIVED: Final = ("masses", "stiffness", "velocities", "gaps")
 
 
+@without_defaults
 @checked_methods
 @dataclass(frozen=True, eq=False)
 class ChainFields(Frozen, metaclass=ShortClassDir):

@@ -218,7 +218,7 @@ class Catalogue(dict[str, Material]):
         return catalogue_html(self)
 
 
-@cache
+@checked_arguments("catalogue")
 def catalogue() -> Catalogue:
     """All materials of the catalogue by name, a dictionary that is shown as a table.
 
@@ -228,6 +228,11 @@ def catalogue() -> Catalogue:
     >>> hc.catalogue()["brass"].young
     101000000000.0
     """
+    return _catalogue()
+
+
+@cache
+def _catalogue() -> Catalogue:
     given = {name: dict(entry) for name, entry in _document().items()}
     for entry in given.values():
         entry.pop(ANNEALED_BAR, None)

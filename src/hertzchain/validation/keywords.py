@@ -101,7 +101,10 @@ def checked_methods(cls: type[R]) -> type[R]:
     """Raise `InputError` for unknown and missing arguments of the public methods of a class."""
     for name, method in list(vars(cls).items()):
         if inspect.isfunction(method) and not name.startswith("_"):
-            setattr(cls, name, _checked_method(name, method))
+            checked = _checked_method(name, method)
+            # Help shows these names also if the function is one of another module.
+            checked.__name__, checked.__qualname__ = name, f"{cls.__name__}.{name}"
+            setattr(cls, name, checked)
     return cls
 
 

@@ -290,6 +290,9 @@ def test_keys_of_chain_files_are_named_where_a_chain_file_is_given(run):
     for command in (("compare", "data.csv", "chain.toml"), ("forecast", "chain.toml")):
         _, _, err = run(*command, "--beads", 5)
         assert "No such option '--beads'; in a chain FILE, write beads = ... in [chain]\n" in err
+    _, _, err = run("simulate", "--beads", 100, "--defect", "50:2")
+    odd = "with_defects = [{bead = ..., radius = ...}] in [chain]"
+    assert f"No such option '--defect'; in a chain FILE, write {odd}\n" in err
     for command in ("plot", "export"):
         code, _, err = run("sweep", command, "a.zarr", "b.csv", "--beads", 5)
         assert code == 2

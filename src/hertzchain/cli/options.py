@@ -96,6 +96,7 @@ KEYS_OF_FILES: Final = {
     "gap": "gaps = [...] in [chain]",
     "left_wall": "a table [chain.left_wall]",
     "drive": "a table [chain.drive]",
+    "defect": "with_defects = [{bead = ..., radius = ...}] in [chain]",
 }
 # Options that have another name than the same argument of a function.
 NAMES_OF_ARGUMENTS: Final = {"samples": "--chains", "relative": "--scatter"}

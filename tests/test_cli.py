@@ -139,6 +139,22 @@ def test_a_plot_of_several_methods_has_their_differences(run, tmp_path):
         options = [each for name in methods for each in ("--method", name)]
         assert run("pulse", "--beads", 9, *options, "--plot", file)[0] == 0
         assert ("difference" in file.read_text()) is panel
+    for kind in ("forward", "backward"):
+        text = f'[chain]\ntaper = "{kind}-linear"\nrate = 0.01\nbeads = 9\n'
+        (tmp_path / f"{kind}.toml").write_text(text)
+    chains = tmp_path / "forward.toml", tmp_path / "backward.toml"
+    assert run("pulse", *chains, *options, "--plot", file)[0] == 0
+    texts = re.findall("<!-- (.*) -->", file.read_text())
+    assert texts[-5:-1] == ["forward-linear", "backward-linear", "propagation", "BCA"]
+    code, _, err = run("pulse", *chains, "--json")
+    assert (code, "give one chain FILE, and run the command for each" in err) == (2, True)
+
+
+def test_notes_below_a_narrow_table_have_the_width_of_the_terminal(run, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "100")
+    *_, shown, speed = run("pulse", "--beads", 60, "--quantity", "speed")[1].splitlines()
+    assert shown == "26 of 59 contacts; --all shows every one"
+    assert speed.startswith("speed: the last one") and speed.endswith("delays the arrival")
 
 
 def test_plots_of_pulses_over_decades_are_logarithmic_unless_linear(run, tmp_path):

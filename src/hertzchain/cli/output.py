@@ -22,7 +22,13 @@ def show_table(table: Table) -> None:
         # One line, also above a narrow table.
         table.title = Text(table.title, no_wrap=True, overflow="ignore")
         needed = max(needed, table.title.cell_len)
-    Console(width=max(needed, Console().width)).print(table)
+    console, below = Console(width=max(needed, Console().width)), ""
+    if isinstance(table.caption, str) and max(map(len, table.caption.splitlines())) > needed:
+        # Rich would break it at the width of the table.
+        below, table.caption = table.caption, None
+    console.print(table)
+    if below:
+        console.print(Text(below, style="table.caption"))
 
 
 def show_json(document: dict[str, Any]) -> None:

@@ -147,7 +147,9 @@ def pulse(
     of_moduli = None if modulus_scatter is None else as_typed(modulus_scatter)
     settings = _settings(chosen, rtol, part, of_moduli)
     if len(chains) > 1 and (as_json or as_csv):
-        raise click.UsageError("--json and --csv require one chain FILE")
+        raise click.UsageError(
+            "--json and --csv print one chain: give one chain FILE, and run the command for each"
+        )
     # `simulate` supports every chain.
     optional = {*chosen} - {*methods, "simulate"}
     source = click.get_current_context().get_parameter_source("quantity")
@@ -183,10 +185,10 @@ def _plotted(found: Mapping[str, Sequence[Pulse]], quantity: str, log: bool | No
     from ..plotting.style import literal
 
     pulses = [pulse for each in found.values() for pulse in each]
-    labels = [
-        literal(name if len(each) == 1 else f"{name}, {pulse.method}")
-        for name, each in found.items() for pulse in each
-    ] if len(found) > 1 else None  # fmt: skip
+    labels = None
+    # Without labels, the legend has entries for chains and for methods, not for all pairs.
+    if 1 < len(found) == len(pulses):
+        labels = [literal(name) for name in found]
     spread = any(spread_of(each, quantity) is not None for each in pulses)
     residuals = len(found) == 1 and (len(pulses) > 1 or spread)
     if log is None:

@@ -154,7 +154,8 @@ def test_notes_below_a_narrow_table_have_the_width_of_the_terminal(run, monkeypa
     monkeypatch.setenv("COLUMNS", "100")
     *_, shown, speed = run("pulse", "--beads", 60, "--quantity", "speed")[1].splitlines()
     assert shown == "26 of 59 contacts; --all shows every one"
-    assert speed.startswith("speed: the last one") and speed.endswith("delays the arrival")
+    assert speed.startswith("speed: the last one")
+    assert speed.endswith("delays the arrival")
 
 
 def test_plots_of_pulses_over_decades_are_logarithmic_unless_linear(run, tmp_path):

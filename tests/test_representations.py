@@ -389,7 +389,8 @@ def test_sizes_that_scatter_are_stated_with_enough_digits(relative):
 
 def test_equal_sizes_are_stated_once():
     balls = hc.Chain.from_materials(diameters="20 mm", materials="steel-52100", beads=20)
-    assert "20 mm to" not in repr(balls.with_scatter(1, relative=1e-14))
+    lot = balls.with_scatter(1, relative=1e-14).replace(scatter=None)
+    assert "beads, diameters 20 mm, " in repr(lot)
     pair = hc.Chain.periodic(["5 mm", "5.00005 mm"], cells=5, materials=["brass"] * 2)
     assert "diameters 10 mm and 10.0001 mm in turn" in repr(pair)
 

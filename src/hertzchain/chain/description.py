@@ -224,11 +224,12 @@ def sizes_in_words(radii: Array) -> str:
         return " to ".join(ends)
     if changed := changed_taper(radii):
         return " to ".join(_distinguishable(changed.radii[0], changed.radii[-1]))
-    ends = dict.fromkeys(_distinguishable(low, high))
+    sizes = list(dict.fromkeys(_distinguishable(low, high)))
     steps = np.diff(radii)
     if np.all(steps <= 0.0):
-        return " to ".join(reversed(ends))
-    return " to ".join(ends) if np.all(steps >= 0.0) else f"between {' and '.join(ends)}"
+        return " to ".join(sizes[::-1])
+    ascending = len(sizes) == 1 or np.all(steps >= 0.0)
+    return " to ".join(sizes) if ascending else f"between {' and '.join(sizes)}"
 
 
 def shape_in_words(radii: Array) -> str:

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hertzchain.fitting.compared_part import check_reached
 from hertzchain.fitting.time_offsets import difference_at_best_offset
 from hertzchain.traces.signals import Clock
 
+HOW_TO = Path(__file__).parents[1] / "docs/how-to"
 NAMES = ("ball 3 [N]", "ball 6 [N]", "wall [N]")
 CHAIN = bench(hc.Viscoelastic(0.6e-6), beads=8, behind=3)
 
@@ -104,10 +106,21 @@ def test_the_samples_before_a_pulse_are_counted():
     """The pulse begins with sample 23; 22 are before it."""
     values = np.random.default_rng(3).normal(0.0, 0.1, 60)
     values[22:] += 50.0
-    with pytest.raises(hc.InputError, match="begins after 22 samples, .* 17 .* at least 25 samp"):
+    words = "begins after 22 samples; record at least 25 samples before the pulse, or give noise"
+    with pytest.raises(hc.InputError, match=words):
         hc.Traces.from_arrays(1e-6 * np.arange(60), {"wall [N]": values})
     enough = np.concatenate([0.1 * np.sin(np.arange(3.0)), values])
+    with pytest.raises(hc.InputError, match="begins after 24 samples; record at least 25"):
+        hc.Traces.from_arrays(1e-6 * np.arange(62), {"wall [N]": enough[1:]})
     hc.Traces.from_arrays(1e-6 * np.arange(63), {"wall [N]": enough})
+    missing = np.where(np.arange(63) < 32, enough, enough - 50.0)
+    missing[2:18:2] = np.nan
+    with pytest.raises(hc.InputError, match="after 25 samples, and only 16 of those before its f"):
+        hc.Traces.from_arrays(1e-6 * np.arange(63), {"wall [N]": missing})
+    for page, words in {
+        "fit.md": "Include at least 25 samples before", "fit_data.md": "pulse, at least 25, for"
+    }.items():  # fmt: skip
+        assert words in (HOW_TO / page).read_text(encoding="utf-8")
 
 
 def test_gains_of_single_shots_name_the_others():
@@ -211,7 +224,7 @@ def test_a_wrong_unit_is_noted_with_the_ratio_of_the_table(run, recorded):
 def test_few_samples_before_the_pulse_are_counted(recorded):
     times, seen = recorded
     early = np.argmax(np.abs(seen[:, 0]) > 1.0) - 12
-    words = "after 14 samples, and only 11 valid samples precede its foot; record at least 25"
+    words = "after 14 samples; record at least 25"
     with pytest.raises(hc.InputError, match=words):
         traces_of(times[early:], seen[early:])
 

@@ -195,9 +195,15 @@ def _estimated_noise(place: Place, before: Array, step: float, first: tuple[int,
         where = f" in the signal of {sensor}" if sensor != place.name else ""
         raise InputError(
             f"the noise of {place.name} cannot be estimated: a pulse, or slow noise, begins{where} "
-            f"after {counted(begin, 'sample')}, and only {counted(len(before), 'valid sample')} "
-            f"{'precedes' if len(before) == 1 else 'precede'} its foot; record at least "
+            f"after {counted(begin, 'sample')}{_missing(before, begin)}; record at least "
             f"{MIN_BEFORE} samples before the pulse, or give noise"
         )
     found = noise_of(before)
     return found if found >= step else noise_before_rounding(before, step)
+
+
+def _missing(before: Array, begin: int) -> str:
+    """That samples are missing, if there would be enough of them without."""
+    if begin < MIN_BEFORE:
+        return ""
+    return f", and only {len(before)} of those before its foot are valid"

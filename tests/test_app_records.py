@@ -220,13 +220,15 @@ def test_a_signal_with_an_absurd_scale_does_not_extend_the_axis(scope, monkeypat
     # The page draws the samples without their level, and the simulation as it is.
     level = "before the pulse, wall is at 500 mV; the comparison is without this level; "
     assert any(each.startswith(level) for each in shown["notes"])
-    # If columns are exchanged, this scale means nothing.
+    # If columns are exchanged, no scale means anything; forces in N are shown as they are.
     monkeypatch.setattr(
         "hertzchain.app.record_curves.compare_traces",
         lambda *each: replace(compare_traces(*each), exchanged=True),
     )
-    header, _ = computed(LAB, sensors=[6], record=record)["run"]
-    assert "wall is not shown until this is corrected" in header["record"]["notes"]
+    header, arrays = computed(LAB, sensors=[6], record=record)["run"]
+    said = "wall is in V, and is not shown until this is corrected"
+    assert said in header["record"]["notes"]
+    assert ("record.0" in arrays, "record.1" in arrays) == (True, False)
     assert header["record"]["exchanged"]
     assert not any("by least squares" in each for each in header["record"]["notes"])
 

@@ -52,8 +52,8 @@ def record_curves(
     times, curves = shot.times - offset, []
     near = (times >= -end) & (times <= 2.0 * end) if found is not None else np.isfinite(times)
     arrays: dict[str, Array] = {}
-    if found is None:
-        notes += _unscaled(shot.signals)
+    if found is None or found.exchanged:
+        notes += _unscaled(shot.signals, exchanged=found is not None)
     for i, signal in enumerate(shot.signals):
         values, label = _in_newton(chain, signal, found, i)
         if values is None:
@@ -84,7 +84,7 @@ def _in_newton(
     if signal.place.quantity != "force":
         return None, f"{signal.name} is not shown, because it is a velocity"
     label, values = signal.name, signal.values
-    if found is None:
+    if found is None or (found.exchanged and not signal.calibrated):
         return (values, label) if signal.calibrated else (None, "")
     resolved = found.traces.shots[0].signals[number]
     if not signal.calibrated:
@@ -94,27 +94,29 @@ def _in_newton(
         largest = float(np.nanmax(np.abs(model)))
         reached = float(np.nanmax(np.abs(values - level_of(resolved)))) / abs(scale)
         if reached > ABSURD * largest:
-            if found.exchanged:
-                return None, f"{signal.name} is not shown until this is corrected"
             return None, (f"{signal.name} is not shown: with the fitted scale of {scale:.4g} V/N, "
                           f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]
         values = first + (values - level_of(resolved)) / scale
-        # A scale means nothing if columns are exchanged.
-        label += " in V" if found.exchanged else f" in V ({scale:.4g} V/N)"
+        label += f" in V ({scale:.4g} V/N)"
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
 
 
-def _unscaled(signals: Sequence[Signal]) -> list[str]:
-    """One sentence on the forces in V, which cannot be scaled if the record is not aligned."""
+def _unscaled(signals: Sequence[Signal], *, exchanged: bool) -> list[str]:
+    """One sentence on the forces in V, which have no scale if the record is not aligned.
+
+    If columns are exchanged, it would be that of another signal.
+    """
     names = [
         each.name for each in signals if each.place.quantity == "force" and not each.calibrated
     ]
     if not names:
         return []
     verb, they = ("is", "it") if len(names) == 1 else ("are", "they")
+    if exchanged:
+        return [f"{listed(names)} {verb} in V, and {verb} not shown until this is corrected"]
     return [
         f"{listed(names)} {verb} in V, and {verb} shown only if {they} can be aligned and scaled"
     ]

@@ -1,6 +1,7 @@
 """Wrong descriptions of an experiment that a fit names; the forces are from SciPy."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,11 @@ from scipy.interpolate import make_interp_spline
 from scipy_row import BEFORE, FREE, POISSON, RADIUS, TRUTH, VELOCITY, YOUNG, chain, recorded, traces
 
 import hertzchain as hc
+from hertzchain.fitting import free_causes
+from hertzchain.fitting.fit import problem_of
+from hertzchain.fitting.misread_places import OtherPlace, likely_places
+from hertzchain.fitting.settings import Settings
+from hertzchain.traces.places import place_named
 
 
 @pytest.mark.long
@@ -202,3 +208,27 @@ def test_a_stiffer_wall_is_named_if_only_priors_fix_the_gains():
     (advice,) = hc.fit(data, chain(), free=[*FREE, "gain[*]"], priors=priors).advice
     assert "add 'right_wall.stiffness' to the free parameters" in advice
     assert "the model describes the data" in advice
+
+
+def test_places_are_tried_until_one_describes_the_data(monkeypatch):
+    """The ball that agrees best with the nominal chain may not be the right one."""
+    data = traces(
+        change=lambda found: {"ball 4 [N]": found["ball 5 [N]"], "wall [N]": found["wall [N]"]}
+    )
+    settings = Settings(free=FREE).with_more(None, data, chain())
+    model = problem_of(data, [chain()], settings).model
+    likely = likely_places(model)
+    assert likely[0].place.name == "ball 5"
+    assert len(likely) <= 3
+    for sizes, tried, place in ([90, 80, 70], 3, 2), ([90, 10, 0], 2, 1), ([90, 95, 99], 3, 0):
+        names = [f"ball {k}" for k in range(1, 4)]
+        others = [OtherPlace("ball 5", place_named(each), each) for each in names]
+        fits = iter([SimpleNamespace(chi2=each, describes=each <= 10) for each in sizes])
+        monkeypatch.setattr(free_causes, "likely_places", lambda _, others=others: others)
+        monkeypatch.setattr(free_causes, "Problem", lambda each: each)
+        monkeypatch.setattr(free_causes, "_other_count", lambda *_: "")
+        (cause,) = free_causes.other_places(
+            SimpleNamespace(model=None), {}, lambda *_, fits=fits: next(fits)
+        )
+        assert cause.what == f"the sensor 'ball 5' in {names[place]} instead"
+        assert len(list(fits)) == 3 - tried

@@ -15,7 +15,7 @@ from .ball_count_causes import count_between
 from .causes import Cause, Refit, is_free, try_further
 from .law_parameters import names_of_losses
 from .loss_laws import typical_law
-from .misread_places import OtherPlace, best_other_place
+from .misread_places import OtherPlace, likely_places
 from .names import TIME_OFFSET, Name, to_free
 from .problem import Problem
 from .result import FitResult
@@ -36,14 +36,20 @@ LOSS: Final = "viscoelastic"
 
 
 def other_places(result: FitResult, start: Mapping[str, float], refit: Refit) -> Iterator[Cause]:
-    """The fit with one sensor in another ball, if this agrees better with the chain."""
-    found = best_other_place(result.model)
-    if found is None:
+    """The best fit with one sensor in another ball, if this agrees better with the chain."""
+    best: tuple[OtherPlace, FitResult] | None = None
+    for each in likely_places(result.model):
+        try:
+            other = refit(Problem(each.model), start, 1)
+        except SimulationError:
+            continue
+        if best is None or other.chi2 < best[1].chi2:
+            best = each, other
+        if other.describes:
+            break
+    if best is None:
         return
-    try:
-        other = refit(Problem(found.model), start, 1)
-    except SimulationError:
-        return
+    found, other = best
     yield Cause(
         f"the sensor {found.name!r} in {found.place.name.removesuffix(' velocity')} instead",
         "check the number in the name of this column, and how balls and strikers are counted"

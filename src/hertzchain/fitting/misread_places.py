@@ -19,9 +19,12 @@ from .time_offsets import difference_at_best_offset
 # Another place is tried if it reduces the rms difference from the nominal chain, whose parameters
 # are not yet fitted, to less than this part.
 BETTER: Final = 0.9
+# Further places are tried up to this multiple of the difference of the best one, and this number in
+# all: another parameter, such as a free gap, may distort the order.
+ALIKE, MOST_PLACES = 1.5, 3
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OtherPlace:
     """The name of a sensor, its other place, and the model with this place."""
 
@@ -30,19 +33,22 @@ class OtherPlace:
     model: Model
 
 
-def best_other_place(model: Model) -> OtherPlace | None:
-    """The other ball of one sensor that agrees best with the nominal chain."""
+def likely_places(model: Model) -> list[OtherPlace]:
+    """The other balls of one sensor that agree best with the nominal chain, the best first."""
     signals = {signal.name: signal.place for _, signal in model.traces}
     others = list(other_balls(signals, model.chains))
     places = [*signals.values(), *dict.fromkeys(place for _, place in others)]
     simulator = Simulator(places, model.simulator.count_one)
-    least, found = BETTER * rms_difference(model), None
-    for name, place in others:
-        other = _with_place(model, name, place, simulator)
-        difference = rms_difference(other)
-        if difference < least:
-            least, found = difference, OtherPlace(name, place, other)
-    return found
+    found = [
+        OtherPlace(name, place, _with_place(model, name, place, simulator))
+        for name, place in others
+    ]  # fmt: skip
+    differences = {each: rms_difference(each.model) for each in found}
+    found.sort(key=lambda each: differences[each])
+    most = BETTER * rms_difference(model)
+    if found:
+        most = min(most, ALIKE * differences[found[0]])
+    return [each for each in found if differences[each] < most][:MOST_PLACES]
 
 
 def other_balls(signals: dict[str, Place], chains: Sequence[Chain]) -> Iterator[tuple[str, Place]]:

@@ -109,6 +109,23 @@ def test_errors_are_proportional_to_noise_and_to_the_root_of_the_interval():
     assert rare.sigmas == pytest.approx(2.0 * usual.sigmas, rel=0.02)
 
 
+def test_closed_gaps_and_the_default_record_are_noted():
+    """A gap that opens a contact delays the pulse, so that velocity and gap are correlated."""
+    options = {"noise": 0.1, "interval": "2 us", "free": [*FREE, "gap[2-3]"]}
+    closed = hc.forecast(row(), ["ball 2", "wall"], **options)
+    record, gap = (
+        next(each for each in closed.notes if words in each) for words in ("record", "gap[2-3]")
+    )
+    assert "gap[2-3] is assumed to be closed, and its error is not that of an open gap" in gap
+    duration = f"{1e6 * closed.duration:.4g} us"
+    assert f"the record is assumed to end after {duration}, 1.5 times" in record
+    chain = row().replace(gaps=[0.0, 0.0, 2e-6, 0.0])
+    until = closed.duration
+    opened = hc.forecast(chain, ["ball 2", "wall"], until=until, **options)
+    assert not opened.notes
+    assert opened.sigmas[3] > 1.5 * closed.sigmas[3]
+
+
 def test_combinations_that_the_signals_do_not_determine_have_no_error():
     """Stiffness, velocity and a gain compensate each other exactly, in the ratio 0.5 : -1 : 1."""
     free = [*FREE, "gain[wall]"]

@@ -8,7 +8,7 @@
   `sensors`;
 - errors: `uncertainty`, `weights` and `autocorrelation` of samples, `goodness`,
   `weak_directions`, `flat_valleys`, `held_by_priors`, `posterior`, and the `forecast` for a
-  planned experiment with `planned_gains`;
+  planned experiment with `planned_gains` and `planned_notes`;
 - systematic errors: `systematics` with `effect_limits`, `sensor_effects`, `signal_noise`, and
   `constants` that are taken as exact;
 - fits that mean less than they seem to: `diagnosis` with its `steps` and `causes`,

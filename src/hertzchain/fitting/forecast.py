@@ -26,7 +26,6 @@ from ..validation.json_types import finite
 from ..validation.keywords import checked_arguments, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_list, check_type
-from .cap_notes import planned_cap_notes
 from .clocks import with_clocks
 from .constants import FixedConstant, Optimum, fixed_constants
 from .crossings import later_until, pulse_duration
@@ -35,11 +34,12 @@ from .held_by_priors import prior_notes
 from .model import Model, Values, make_model
 from .parameters import Parameter, Priors, free_parameters
 from .planned_gains import recorded_in_volts
+from .planned_notes import planned_notes
 from .problem import Problem
 from .result_document import constants_document, parameters_document
 from .settings import Settings, for_sensors, load_chain_and_settings
 from .shown_values import shown_value, unit_of_parameter
-from .simulations import Simulator, passing_time, range_notes
+from .simulations import Simulator, passing_time
 from .summary_width import summary_width
 from .uncertainty import Estimates, large_error_notes, uncertainty
 from .unused_parameters import check_used
@@ -331,11 +331,11 @@ def forecast(
     traces, settings = with_clocks(settings.timed(traces), settings)
     if traces.shots[0].clock is not None:
         traces = with_time_offset(traces, 0.0)  # the first sample is that of the impact
-    return _forecast(traces, chain, settings, of_gains)
+    return _forecast(traces, chain, settings, of_gains, given=until is not None)
 
 
 def _forecast(
-    traces: Traces, chain: Chain, settings: Settings, of_gains: tuple[str, ...]
+    traces: Traces, chain: Chain, settings: Settings, of_gains: tuple[str, ...], *, given: bool
 ) -> Forecast:
     """Errors from derivatives at the values from which a fit would start."""
     parameters = free_parameters(
@@ -364,10 +364,9 @@ def _forecast(
         problem.skip_next_to_jumps(variables, more=False)
     jacobian = derivatives_at(problem, variables)
     found = uncertainty(problem, variables, jacobian, np.zeros(len(variables), bool))
-    assumed = model.chain(0, values)
     notes = (
-        *of_gains, *large_error_notes(model, found), *range_notes(assumed, duration),
-        *planned_cap_notes(assumed, duration),
+        *of_gains, *large_error_notes(model, found),
+        *planned_notes(model, values, duration, given=given),
     )  # fmt: skip
     return Forecast(
         tuple(map(str, model.names)), found.estimates, found.sigmas, found.covariance, found.weak,

@@ -66,7 +66,9 @@ def test_fits_show_parameters_verdict_and_notes(result):
     assert text.count("residual over time") == 3
     # Each of these has about 150 points, and a band of two standard deviations.
     samples = len(result.traces.shots[0].times)
-    assert result._repr_html_().count("h0") == 3 * -(-samples // -(-samples // 150))
+    drawn = 3 * -(-samples // -(-samples // 150))
+    assert result._repr_html_().count("h0") == drawn
+    assert f"{drawn} of {3 * samples} residuals are drawn; plot() shows all." in text
     assert result._repr_html_().count('fill="#8a8a8a" fill-opacity="0.25"') == 3
     for name, row in result.rows():
         assert f"{name} {row}" in text

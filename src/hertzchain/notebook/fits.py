@@ -165,7 +165,7 @@ def _figures(
     signals = [(shot, i, each) for shot, data in enumerate(shots)
                for i, each in enumerate(data.signals)]  # fmt: skip
     count = min(len(signals), MAX_SENSORS)
-    parts, columns = [], min(SIGNAL_COLUMNS // count, COLUMNS)
+    parts, columns, drawn = [], min(SIGNAL_COLUMNS // count, COLUMNS), [0, 0]
     for number, (shot, i, signal) in enumerate(signals[:count]):
         factor, second = axis_unit(shots[shot].times, "s", "SI")
         times, time = factor * shots[shot].times, f"time{second}"
@@ -184,11 +184,15 @@ def _figures(
             # Extremes of columns would all be at the edges of the band.
             some = slice(None, None, -(-len(times) // (RESIDUAL_POINTS // count)))
             rest = times[some], residuals[number][some]
+            for k, each in enumerate((rest[1], residuals[number])):
+                drawn[k] += int(np.isfinite(each).sum())
             curve = Curve(*rest, "", RESIDUAL, separate=True)
             parts.append(chart([_band(times), curve], time, "residual", height=RESIDUAL_HEIGHT))
     if (hidden := len(signals) - count) > 0:
         text = f"{counted(hidden, 'more signal')} {'is' if hidden == 1 else 'are'} not shown here"
         parts.append(note(f"{text}; plot() shows all."))
+    if drawn[0] < drawn[1]:
+        parts.append(note(f"{drawn[0]} of {drawn[1]} residuals are drawn; plot() shows all."))
     return parts
 
 

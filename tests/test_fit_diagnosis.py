@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,14 +10,15 @@ from scipy.signal import lsim
 from scipy_row import BALLS, BEFORE, FREE, RADIUS, SPACING, TRUTH, chain, forces, recorded, traces
 
 import hertzchain as hc
+from hertzchain.cli.postponed_diagnosis import cause_of_misfit
 from hertzchain.cli.wording import on_command_line
 from hertzchain.fitting.advice import DEFECTS, LAWS, considered, nothing_explains
 from hertzchain.fitting.constant_causes import with_exponent
-from hertzchain.fitting.diagnosis import without_tested
+from hertzchain.fitting.diagnosis import _further, without_tested
 from hertzchain.fitting.fit import fit_experiment
 from hertzchain.fitting.fit import fitted as solved
 from hertzchain.fitting.free_causes import with_losses
-from hertzchain.fitting.steps import STEPS
+from hertzchain.fitting.steps import STEPS, Step
 
 DESCRIBES = "and the model describes the data"
 NOTHING = "none of the effects tested explains the residuals ("
@@ -266,6 +268,32 @@ def test_a_small_gap_is_named_and_no_effect_of_sensors(gap):
     assert advice.startswith("with gap[8-9] = ")
     assert DESCRIBES in advice
     assert float(advice.split(" = ")[1].split()[0]) == pytest.approx(1e6 * gap, rel=0.1)
+
+
+def test_the_progress_names_the_cause_that_is_tried(monkeypatch, capsys):
+    assert all(each.shown or each.words for each in STEPS)
+    simulator = SimpleNamespace(trying="")
+    result = SimpleNamespace(model=SimpleNamespace(simulator=simulator))
+
+    class Postponed:
+        """A diagnosis of one step with 120 simulations."""
+
+        def diagnosed(self, result, progress):
+            def tried(*_):
+                progress(120, 0)
+                return ()
+
+            monkeypatch.setattr("hertzchain.fitting.diagnosis.STEPS", (Step(tried, "one gap"),))
+            _further(result, {}, None, [], {})
+            simulator.trying = ""
+            return result
+
+    monkeypatch.setattr("hertzchain.cli.progress.SECONDS_PER_LINE", 0.0)
+    assert cause_of_misfit(result, {}, Postponed(), as_json=False) is result
+    assert capsys.readouterr().err.splitlines()[-2:] == [
+        "trying one gap; simulations of the search: 120",
+        "simulations of the search: 120 in total",
+    ]
 
 
 def test_causes_that_were_tried_are_listed_in_few_words():

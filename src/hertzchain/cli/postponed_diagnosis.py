@@ -60,9 +60,13 @@ class PostponedDiagnosis:
         try:
             found = diagnosed(result, self._start, fitted)
         finally:
-            simulator.progress = None
+            simulator.progress, simulator.trying = None, ""
         # A cause of the data or the row explains contradictions to priors, too.
         return replace(found, without_priors=()) if found.explained else found
+
+
+def _trying(what: str) -> str:
+    return f"trying {what}; " if what else ""
 
 
 def cause_of_misfit(
@@ -72,7 +76,10 @@ def cause_of_misfit(
     try:
         with nullcontext() if as_json else exit_soon(STOPPED):
             click.echo(f"\n{LOOKING}", err=True)
-            with progress_bar("simulations of the search", counted=False) as progress:
+            simulator = result.model.simulator
+            with progress_bar(
+                lambda _: f"{_trying(simulator.trying)}simulations of the search", counted=False
+            ) as progress:
                 return postponed.diagnosed(result, progress)
     except KeyboardInterrupt:
         if as_json:

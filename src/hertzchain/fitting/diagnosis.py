@@ -97,6 +97,7 @@ def _further(
     for step in STEPS:
         if any(_settles(result, cause, step) for cause in (*columns, *found)):
             continue
+        result.model.simulator.trying = step.shown or step.words
         if step.with_zeros and base is None:
             zeros = free_zeros(result, refit)
             base = result if zeros is None else zeros.result

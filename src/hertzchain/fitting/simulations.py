@@ -80,12 +80,15 @@ class Simulator:
         Called with the number of simulations after each.
     count : int
         Simulations so far.
+    trying : str
+        What they try, in a search for causes of residuals.
     """
 
     places: Sequence[Place]
     progress: Callable[[int], None] | None = None
     count: int = 0
     failed: int = 0
+    trying: str = ""
     _steps: int = 0
     _kept: OrderedDict[bytes, Simulated] = field(default_factory=OrderedDict)
 

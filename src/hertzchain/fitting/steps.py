@@ -25,6 +25,8 @@ class Step:
 
     tried: Callable[[FitResult, Mapping[str, float], Refit], Iterator[Cause]]
     words: str = ""
+    # Words for the progress, if those above are empty.
+    shown: str = ""
     # Whether it is tried although a delay explains the residuals, because its causes look like one.
     after_delays: bool = False
     # Whether it begins from the fit with free offsets of the sensors whose zeros are wrong, which
@@ -42,11 +44,11 @@ def _counts_and_effects(
 
 # One after the other, until a cause explains the residuals.
 STEPS: Final = (
-    Step(without_second_pulse),
-    Step(before_departure),
-    Step(other_places),
-    Step(_counts_and_effects),
-    Step(separate_effects),
+    Step(without_second_pulse, shown="a second pulse"),
+    Step(before_departure, shown="the departure of the cap"),
+    Step(other_places, shown="other balls of a sensor"),
+    Step(_counts_and_effects, shown="numbers of balls, and zeros, gains and delays"),
+    Step(separate_effects, shown="effects of single sensors"),
     Step(vertical_row, "static forces", with_zeros=True),
     Step(row_causes, "odd balls", after_delays=True, with_zeros=True),
     Step(gap_causes, "one gap", with_zeros=True),
@@ -59,5 +61,5 @@ STEPS: Final = (
     Step(with_moduli, "the moduli", with_zeros=True),
     Step(with_masses, "the mass of balls with sensors", with_zeros=True),
     Step(other_counts, "one ball more or fewer", with_zeros=True),
-    Step(with_pairs),
+    Step(with_pairs, shown="pairs of effects of sensors"),
 )

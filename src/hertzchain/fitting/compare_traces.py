@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +40,7 @@ from .exchanged_columns import MUCH_BETTER, exchange_notes
 from .first_pulses import shape_notes
 from .goodness import EXPLAINED
 from .misread_columns import inversion_notes
-from .misread_places import other_balls
+from .misread_places import ALIKE, other_balls
 from .misread_times import time_notes
 from .odd_sensors import odd_sensor_notes
 from .sensor_comparison import (
@@ -59,6 +60,9 @@ from .time_offsets import (
     offset_error,
 )
 from .trace_comparison import TraceComparison
+
+# A cause that leaves a larger part of the rms of the signals does not describe the data alone.
+REMAINING: Final = 0.2
 
 
 def compare_traces(
@@ -105,6 +109,8 @@ def compare_traces(
         *spike_notes(shot),
         *(silent_notes(shot, inside) or unexplained),
     ]
+    # A sensor in another ball may be the reason why a reflected pulse agrees as well.
+    excluding = {*suspicious}.difference(other_offset_notes(shot, found.time_offset, other))
     for note in suspicious:
         warn_user(note, InputWarning)
     notes = (
@@ -115,7 +121,7 @@ def compare_traces(
         *inversion_notes({} if exchanged else {each.name: each.scale for each in found.sensors}),
         *level_notes(shot, signals, columns),
         *([] if exchanged else _crest_notes(found, run, columns, inside)),
-        *([] if suspicious else _count_notes(found, run, columns, grid)),
+        *([] if excluding else _count_notes(found, run, columns, grid)),
         *coupling_notes(traces, [run.chain], gain),
     )
     return replace(found, notes=notes, exchanged=exchanged)
@@ -175,14 +181,23 @@ def _place_note(run: Run, shot: Shot, own: float, spacing: float) -> tuple[float
         other = replace(shot, signals=tuple(signals))
         best = difference_at_best_offset(other, _columns(run, other)[1], spacing)
         found.append((best, name, place.name))
-    best, name, there = min(found, default=(own, "", ""))
-    if not best < MUCH_BETTER * own:
+    found.sort()
+    if not found or not found[0][0] < MUCH_BETTER * own:
         return None
+    best, name, there = found[0]
+    also = [f"in {place}, to {rms / own:.0%}" for rms, _, place in found[1:] if rms < ALIKE * best]
     return best, (
         f"if the sensor named {name} is in {there}, the rms difference falls to "
-        f"{best / own:.0%} of its value: check the place of this sensor and the delay of its "
-        "channel"
+        f"{best / own:.0%} of its value{f' ({also[0]})' if also else ''}: check the place of this "
+        f"sensor and the delay of its channel{_remaining(best)}"
     )
+
+
+def _remaining(best: float) -> str:
+    """That a cause does not explain the data alone, if a large difference remains with it."""
+    if best < REMAINING:
+        return ""
+    return f"; a difference of {best:.0%} of the signals remains, so it is not the only cause"
 
 
 def _suspicious(

@@ -191,8 +191,22 @@ def test_the_velocity_at_a_free_end_has_a_range(run):
         hc.simulate(row(loss=hc.ElasticPlastic(factor=factor)).replace(right_wall=None))
         for factor in (1.6, 2.8)
     ]
-    low, high = (f"{each.pulse().velocity[-1]:.3g}" for each in ends)
-    assert f"  last bead: {low} to {high} m/s for yield" in run("simulate", *free).stdout
+    low, high = (f"{each.pulse().velocity[-1]:.4g}" for each in ends)
+    words = f"in the leading pulse: {low} to {high} m/s for yield"
+    out = run("simulate", *free).stdout
+    assert words in out
+    assert "after the impact" not in out
+    box = row().replace(right_wall=None).with_cap("20 g")
+    ends = [
+        hc.simulate(box.replace(loss=hc.ElasticPlastic(factor=factor)), until=3e-3)
+        for factor in (1.6, 2.8)
+    ]
+    out = run("simulate", *free, "--cap", "20 g", "--until", "3 ms").stdout
+    after = (each.state.velocities[-1] for each in ends)
+    pulse = (each.pulse().velocity[-1] for each in ends)
+    for name, values in {"in the leading pulse": pulse, "after the impact": after}.items():
+        low, high = (f"{each:.4g}" for each in values)
+        assert f" (cap) {name}: {low} to {high} m/s for yield pressures" in out
 
 
 def test_sensitivities_state_the_assumption(run):

@@ -49,14 +49,18 @@ def _is_over(run: Run) -> bool:
     return last_bead_of(run) is not None and not (len(run.closed_contacts) or run._unfinished)
 
 
+def velocity_after_impact(run: Run) -> float | None:
+    """The velocity of a body behind the row once it is final, which is not that in the pulse."""
+    return float(run.state.velocities[-1]) if run.chain._free_cap and _is_over(run) else None
+
+
 def _velocity_after_impact(run: Run) -> list[str]:
-    """The velocity and momentum of a body behind the row, which are not those in the pulse."""
+    """The velocity and momentum of a body behind the row after the impact."""
     from ..representation import measure
 
     chain = run.chain
-    if not (chain._free_cap and _is_over(run)):
+    if (velocity := velocity_after_impact(run)) is None:
         return []
-    velocity = float(run.state.velocities[-1])
     shown = measure(velocity, "m/s", chain.units, 5)
     momentum = measure(float(chain.masses[-1]) * velocity, "N s", chain.units)
     return [f"  velocity after the impact: {shown}, momentum {momentum}"]

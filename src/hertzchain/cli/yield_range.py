@@ -14,7 +14,7 @@ from .wording import on_command_line
 if TYPE_CHECKING:
     from ..simulation.run import Run
 
-# Digits of both ends of a range: more if they would coincide.
+# Digits of both ends of a range: more if they would coincide.  Velocities have at least four.
 DIGITS: Final = (3, 4, 5, 6)
 
 
@@ -43,10 +43,10 @@ def second_run(run: Run, **options: Any) -> Run | None:
 
 
 def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[Ends]:
-    """Complete peaks on walls, forces in sensors and on a cap, and the velocity at a free end."""
+    """Complete peaks on walls, forces in sensors and on a cap, and velocities at a free end."""
     from ..chain.bead_names import bead_label, walls_of
     from ..simulation.body_force import body_force
-    from .last_bead import last_bead_of
+    from .last_bead import last_bead_of, velocity_after_impact
 
     if other is None:
         return []
@@ -64,14 +64,21 @@ def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[End
         at = f"sensor in {bead_label(run.chain, bead)}"
         values = [each.sensor_force(bead).largest_so_far for each in (run, other)]
         found.append(Ends(at, "N", values[0], values[1]))
-    forces = body_force(run), body_force(other)
+    last = bead_label(run.chain, run.chain.beads)
+    forces, several = (body_force(run), body_force(other)), False
     if run.chain._free_cap and forces[0] is not None and forces[1] is not None:
-        at = f"force on {bead_label(run.chain, run.chain.beads)}"
         several = forces[0].later or forces[1].later
-        found.append(Ends(at, "N", forces[0].force, forces[1].force, several))
-    first, last = last_bead_of(run), last_bead_of(other)
-    if first is not None and last is not None:
-        found.append(Ends("last bead", "m/s", first["velocity"], last["velocity"]))
+        complete = forces[0].complete and forces[1].complete
+        values = [each.force for each in forces if each is not None]
+        found.append(Ends(f"force on {last}", "N", *values, several, not complete))
+    of = {
+        f"{last} in the leading pulse": [(last_bead_of(each) or {}).get("velocity")
+                                         for each in (run, other)],
+        f"{last} after the impact": [velocity_after_impact(each) for each in (run, other)],
+    }  # fmt: skip
+    for name, (one_end, other_end) in of.items():
+        if one_end is not None and other_end is not None:
+            found.append(Ends(name, "m/s", one_end, other_end, several))
     return found
 
 
@@ -133,7 +140,7 @@ def range_in_words(ends: Ends, units: str) -> str:
     from ..chain.yield_pressure import BETWEEN
     from ..representation import measure
 
-    for digits in DIGITS:
+    for digits in DIGITS[ends.unit == "m/s" :]:
         low, high = (measure(each, ends.unit, units, digits) for each in (ends.assumed, ends.other))
         if low != high:
             break

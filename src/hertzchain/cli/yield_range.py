@@ -68,9 +68,9 @@ def ends_of_range(run: Run, other: Run | None, beads: Sequence[int]) -> list[End
     forces, several = (body_force(run), body_force(other)), False
     if run.chain._free_cap and forces[0] is not None and forces[1] is not None:
         several = forces[0].later or forces[1].later
-        complete = forces[0].complete and forces[1].complete
-        values = [each.force for each in forces if each is not None]
-        found.append(Ends(f"force on {last}", "N", *values, several, not complete))
+        so_far = not (forces[0].complete and forces[1].complete)
+        at = f"force on {last}"
+        found.append(Ends(at, "N", forces[0].force, forces[1].force, several, so_far))
     of = {
         f"{last} in the leading pulse": [(last_bead_of(each) or {}).get("velocity")
                                          for each in (run, other)],

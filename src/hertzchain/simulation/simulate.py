@@ -169,7 +169,6 @@ def simulate(
     usual = default_step_limit(chain.beads) if fixed is None else MAX_FIXED_STEPS
     limit = usual if max_steps is None else whole_number("max_steps", max_steps, least=1)
     check_clock(chain)
-    given = start
     if start is None:
         start = first_state(chain)
     else:
@@ -184,9 +183,8 @@ def simulate(
         fixed = fixed.shorter(run.energy_drift / fixed.drift)
         frames = Frames(chain, start.time, until, times)
         run = _integrate(chain, start, until, frames, rtol, limit, progress, fixed)
-    if given is not None:
-        # `body_force` may repeat the run.
-        run.__dict__["_start"] = given
+    # `body_force` may repeat the run.
+    run.__dict__["_start"] = start
     if check and not run.success:
         raise SimulationError(run.message)
     if fixed is not None:

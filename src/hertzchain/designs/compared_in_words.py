@@ -19,7 +19,7 @@ from .comparison import (
     value_in_samples,
 )
 from .limits_if_yielding import violated_if_fully_plastic, violated_only_if_yielding
-from .measures import in_words
+from .measures import BODY_PEAK, in_words
 from .new_samples import FRESH
 from .requirements import TOLERANCE
 from .verified import (
@@ -36,6 +36,9 @@ if TYPE_CHECKING:
     from .result import DesignResult
 
 WALL_PEAK: Final = "wall_force.peak"
+BODY_ACCELERATION: Final = "body_force.acceleration"
+# Objectives that follow from the peak of a hit.
+FROM_PEAK: Final = (WALL_PEAK, BODY_PEAK, BODY_ACCELERATION)
 # Marks values outside the range of the law of yield.
 MARK: Final = "*"
 MARKED: Final = f"{MARK} outside the range of the law, where forces are not a prediction"
@@ -122,19 +125,29 @@ def _columns(result: DesignResult) -> list[Column]:
 
 
 def _second_hits(result: DesignResult) -> list[Column]:
-    """Columns with the peak of a second hit, if it has the unit of the objective."""
-    if str(result.problem.objective.single) != WALL_PEAK or isnan(result.verified.second_peak):
+    """Columns with the objective in a second hit, if it follows from the peak of this hit."""
+    chains = [result.verified, *compared_chains(result).values()]
+    of_peak = str(result.problem.objective.single) in FROM_PEAK
+    if (
+        not of_peak
+        or not any(each._dented for each in chains)
+        or isnan(result.verified.second_peak)
+    ):
         return []
+    accelerates = str(result.problem.objective.single) == BODY_ACCELERATION
+
+    def own(found: Verified, peak: float) -> float:
+        return peak / float(found.chain.masses[-1]) if accelerates else peak
 
     def harder(found: Verified) -> float:
-        return nan if found.fully_plastic is None else found.fully_plastic.second_peak
+        return nan if found.fully_plastic is None else own(found, found.fully_plastic.second_peak)
 
     def outside(found: Verified) -> bool:
         return found.fully_plastic is not None and found.fully_plastic.outside_range
 
     known = isfinite(harder(result.verified))
     first = f"hit 2 {LOW}" if known else "second hit"
-    columns = [Column(first, lambda found: found.second_peak, lambda _: False)]
+    columns = [Column(first, lambda found: own(found, found.second_peak), lambda _: False)]
     return columns + [Column(f"hit 2 {AT_FULLY_PLASTIC}", harder, outside)] * known
 
 
@@ -174,7 +187,7 @@ def _remarks(result: DesignResult, columns: list[Column], found: Verified) -> li
     worse = advantage(result, result.value, result.objective_of(found)) < 0.0
     if worse and found is given_chain(result):
         lines += given_beyond_allowed(result)
-    if str(result.problem.objective.single) != WALL_PEAK:
+    if str(result.problem.objective.single) not in FROM_PEAK:
         lines += _compared_second_hit(result, found)
     return lines
 
@@ -272,21 +285,28 @@ def _violated_limits(result: DesignResult, found: Verified) -> str:
 def _compared_second_hit(result: DesignResult, found: Verified) -> list[str]:
     """The peak of a chain to compare with that is struck again, if the design has one, too."""
     peak, own = found.second_peak, result.verified.second_peak
-    if isnan(peak) or isnan(own):
+    if isnan(peak) or isnan(own) or not (found._dented or result.verified._dented):
         return []
     return [f"{_second_hit(found)}; this design: {own / peak:.1%} of this value"]
+
+
+def peak_at_end(found: Verified) -> str:
+    """Name of the peak of a second hit."""
+    return WALL_PEAK if found.chain.right_wall is not None else BODY_PEAK
 
 
 def _second_hit(found: Verified) -> str:
     units, text = found.chain.units, ""
     if found.fully_plastic is not None and isfinite(again := found.fully_plastic.second_peak):
         text = f" ({in_words(again, 'N', units)} {AT_FULLY_PLASTIC})"
-    return f"{WALL_PEAK} = {in_words(found.second_peak, 'N', units)} in the second hit{text}"
+    return (
+        f"{peak_at_end(found)} = {in_words(found.second_peak, 'N', units)} in the second hit{text}"
+    )
 
 
 def second_hit_in_words(found: Verified) -> list[str]:
-    """The peak on the right wall if the chain is struck again with its dents."""
-    if isnan(found.second_peak):
+    """The peak on the right wall, or on a cap, if the chain is struck again with its dents."""
+    if not found._dented:
         return []
     return [f"  struck again with these dents: {_second_hit(found)}",
             "  the search compares the first hit only"]  # fmt: skip

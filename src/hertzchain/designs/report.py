@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite, isnan
+from math import isfinite
 from typing import TYPE_CHECKING, Final
 
 from ..chain.hertz_ratios import OUTSIDE_LAW, caution_outside_law
@@ -17,6 +17,7 @@ from ..simulation.yielding import unchecked_contacts
 from .ball_space import BallSpace
 from .compared_in_words import (
     comparison_lines,
+    peak_at_end,
     second_hit_in_words,
     shown_if_yielding,
     shown_yield_range,
@@ -161,8 +162,9 @@ def point_in_words(point: DesignResult) -> str:
             parts_of.append(f"{shown} {AT_FULLY_PLASTIC}{beyond}")
         text += f" ({', '.join(parts_of)})" if parts_of else ""
         parts.append(text)
-    if not isnan(again := point.verified.second_peak):
-        parts.append(f"wall_force.peak {in_words(again, 'N', units)} in the second hit")
+    if point.verified._dented:
+        again = in_words(point.verified.second_peak, "N", units)
+        parts.append(f"{peak_at_end(point.verified)} {again} in the second hit")
     return ", ".join(parts) + _outside_in_words(point.verified)
 
 

@@ -19,6 +19,7 @@ from ..recorded_warnings import ignore_warnings
 from ..representation import listed
 from ..representation import measure as shown
 from ..simulation.hits import leaves_dents, peak_of_second_hit
+from ..simulation.not_yielded import NOT_YIELDED
 from ..simulation.run_table import RunTable
 from ..simulation.simulate import simulate
 from ..simulation.simulate_many import tabulate_runs
@@ -73,7 +74,7 @@ class FullyPlastic(NamedTuple):
     """Values of measures at the largest possible yield pressure.
 
     ``overlap_ratio`` is the largest overlap / radius; beyond 0.1, values are outside the range of
-    the law.  ``second_peak`` is the peak on the right wall in a second hit, NaN without one.
+    the law.  ``second_peak`` is that of `Verified`.
     """
 
     values: dict[str, float]
@@ -115,8 +116,9 @@ class Verified:
         Contacts that yield in this run, or in that of a chain whose law leaves dents, and the
         deepest dent, in words.
     second_peak : float
-        Peak on the right wall if a chain with dents is struck again (`State.struck_again`); NaN
-        without one.
+        Peak on the right wall, or on a cap without a wall, if a chain is struck again with its
+        dents (`State.struck_again`); that of the first hit without dents, and NaN if no law leaves
+        dents.
     fully_plastic : FullyPlastic or None
         The same numbers, `values`, `overlap_ratio` and `second_peak`, at the largest possible
         yield pressure (2.8 times the yield strength), of the design and the chains to compare
@@ -160,6 +162,12 @@ class Verified:
     def yields(self) -> bool:
         """Whether elastic contacts of this chain would yield, as a run of such contacts shows."""
         return not math.isnan(self.yielding_overlap_ratio)
+
+    @property
+    def _dented(self) -> bool:
+        """Whether the run has left dents, with which a second hit is known."""
+        left = bool(self.dents) and not self.dents.startswith(NOT_YIELDED)
+        return left and not math.isnan(self.second_peak)
 
     @property
     def yielding_words(self) -> str:

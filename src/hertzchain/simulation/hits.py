@@ -59,16 +59,17 @@ def peak_at_right_end(run: Run) -> float:
 
 
 def peak_of_second_hit(chain: Chain, until: float | None = None) -> float:
-    """Peak on the right wall if the chain is struck again with its dents.
+    """Peak on the right wall, or on a cap without a wall, if a chain with dents is struck again.
 
-    NaN if the first hit leaves no dents, the chain cannot be struck again, it is too long for two
-    further simulations, or the peak is not complete.
+    If the first hit leaves no dents, it is that of this hit.  NaN if no law leaves dents, the chain
+    cannot be struck again, it is too long for two further simulations, or the peak is not complete.
     """
-    if chain.right_wall is None or chain.beads > MAX_BEADS or not leaves_dents(chain):
+    at_end = chain.right_wall is not None or chain._free_cap
+    if not at_end or chain.beads > MAX_BEADS or not leaves_dents(chain):
         return math.nan
     with ignore_warnings():  # Those of the chain itself are shown.
         try:
             first = simulate(chain, times=0, check=False, until=until)
         except (InputError, SimulationError):
             return math.nan
-    return second_hit(first)
+    return second_hit(first) if first.dents.any() else peak_at_right_end(first)

@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 import re
+from dataclasses import replace
 
 import click
 import numpy as np
@@ -247,6 +248,12 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     ]
     assert "contacts yield (Y: yield strength)" in axes.get_title().replace("\n", " ")
     assert axes.get_ylabel() == "number of chains, of 4"
+    edges = [np.array([[bar.get_x(), bar.get_x() + bar.get_width()] for bar in bars])
+             for bars in axes.containers]  # fmt: skip
+    assert np.array_equal(*edges)
+    assert edges[0].min() == pytest.approx(assumed.values.min())
+    assert edges[0].max() == pytest.approx(high.values.max())
+    assert (axes.get_yticks() % 1.0 == 0.0).all()
 
 
 def test_causes_of_a_scatter_are_simulated_alone_and_sorted():
@@ -264,10 +271,16 @@ def test_causes_of_a_scatter_are_simulated_alone_and_sorted():
     assert np.array_equal(alone["0.1% scatter"].values, single.values)
     document = causes_document(alone)[1]
     assert document["standard_deviation"] == single.standard_deviation
-    lines = causes_table(alone, single).splitlines()
-    assert lines[0].strip().startswith("each cause alone, yield 1.6 Y")
-    assert lines[1].split()[:2] == ["speed", "+-3%"]
-    assert lines[3].split()[-1] == "100%"
+    # The change of the yield pressure has its place among the causes.
+    for factor, place in ((1.0, 3), (1.01, 2), (1.2, 1)):
+        harder = replace(single, nominal=factor * single.nominal)
+        lines = causes_table(alone, harder).splitlines()
+        assert lines[0].strip().startswith("each cause alone, yield 1.6 Y")
+        names = [line.split()[0] for line in lines[1:4]]
+        assert names == [*(rest := ["speed", "0.1%"])[: place - 1], "yield", *rest[place - 1 :]]
+        assert lines[place].split()[-1] == f"({100 * (factor - 1):+.3g}%)"
+        assert "not random" in lines[4]
+    assert "yield" not in causes_table(alone, None)
     with pytest.raises(click.UsageError, match="at least two causes"):
         causes_of(hc.Scatter(0.001), chain, as_csv=False)
 

@@ -38,6 +38,10 @@ if TYPE_CHECKING:
     from ..designs.distribution import Distribution
 
 PERCENTILES: Final = (1, 5, 50, 95, 99)
+NO_SCATTER: Final = (
+    "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um, or "
+    "--speed-scatter, such as 2%, or --young-scatter or --yield-scatter, such as 5%"
+)
 
 
 @click.command(cls=StrictCommand)
@@ -142,13 +146,11 @@ def scatter(
         raise click.UsageError("--json and --csv cannot be combined")
     if relative is not None and grade is not None:
         raise click.UsageError("give --scatter, such as 1%, or --grade, such as 100, not both")
-    if not any((of_young, of_yield)) and all(
-        each is None for each in (relative, grade, gaps, of_speed)
-    ):
-        raise click.UsageError(
-            "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um, or "
-            "--speed-scatter, such as 2%, or --young-scatter or --yield-scatter, such as 5%"
-        )
+    given = (relative, grade, gaps, of_speed, of_young or None, of_yield or None)
+    if all(each is None for each in given):
+        if quantity is not None:
+            measure_from(quantity, chain_from(options))
+        raise click.UsageError(NO_SCATTER)
     whole_number("--seed", seed, least=0)
     whole_number("--chains", count, least=2, most=10_000)
     chain = chain_from(options)

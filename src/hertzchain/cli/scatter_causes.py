@@ -17,6 +17,10 @@ NOTE: Final = (
     "each cause has been simulated alone; the variances add up to that of all causes only if no "
     "cause changes the effect of another one"
 )
+NOT_RANDOM: Final = (
+    "the changes in parentheses, from the smallest to the largest possible yield pressure, are not "
+    "random and not part of any variance"
+)
 
 
 def causes_of(deviations: Scatter, chain: Chain, *, as_csv: bool) -> dict[str, Scatter]:
@@ -58,7 +62,10 @@ def causes_document(alone: dict[str, Distribution]) -> list[dict[str, Any]] | No
 
 
 def causes_table(alone: dict[str, Distribution], harder: Distribution | None) -> str:
-    """Lines with the mean and the standard deviation of each cause; empty without any."""
+    """Lines with the mean and the standard deviation of each cause; empty without any.
+
+    That of the larger yield pressure, ``harder``, has the change of the nominal value.
+    """
     from ..designs.yield_range import YIELD_HIGH, YIELD_LOW
     from ..representation import usual_unit, with_decimals
 
@@ -78,13 +85,19 @@ def causes_table(alone: dict[str, Distribution], harder: Distribution | None) ->
         cells = zip(texts, parts, strict=True)
         rows.append([cause, *(cell for text, part in cells
                               for cell in (f"{text} {unit}".rstrip(), f"{part}%"))])  # fmt: skip
+    notes = [f"note: {NOTE}"]
     if harder is not None:
         value, part = f"{factor * harder.nominal:.4g} {unit}", f"{size * harder.nominal:.4g}%"
-        rows.append([f"{YIELD_HIGH}, without deviations", value, part, "", ""])
+        change = harder.nominal - first.nominal
+        # The row has its place in the order of the effects.
+        place = 1 + sum(each.standard_deviation >= abs(change) for each in alone.values())
+        changes = f"({factor * change:+.3g} {unit}".rstrip() + ")", f"({size * change:+.3g}%)"
+        rows.insert(place, [f"{YIELD_HIGH}, without deviations", value, part, *changes])
+        notes.insert(0, f"note: {NOT_RANDOM}")
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [
         "  ".join([f"  {name:{widths[0]}}",
                    *(f"{cell:>{width}}" for cell, width in zip(cells, widths[1:], strict=True))])
         for name, *cells in rows
     ]  # fmt: skip
-    return "\n".join([*(line.rstrip() for line in lines), f"note: {NOTE}"])
+    return "\n".join([*(line.rstrip() for line in lines), *notes])

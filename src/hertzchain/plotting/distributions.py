@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
 
 from ..chain.yield_pressure import YIELD_ASSUMED
+from ..collision import Array
 from ..representation import in_column, usual_unit, with_decimals
 from .colours import COLOURS, grey
 from .legends import place_legend
@@ -20,6 +23,8 @@ if TYPE_CHECKING:
 
 # Percentiles that are marked.
 MARKED: Final = {5.0: "5%", 50.0: "median", 95.0: "95%"}
+# Largest number of bins of two histograms, which can be narrow and far apart.
+MAX_BINS: Final = 200
 
 
 def plot_distribution(found: Distribution, *, ax: Axes | None = None) -> Axes:
@@ -53,12 +58,13 @@ def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[s
         axes = get_axes(None)
         factor, unit = usual_unit(low.nominal, low.unit)
         shown = f" {with_micro(unit)}" if unit != "1" else ""
+        bins = _common_bins(factor * low.values, factor * high.values)
         for name, each, colour in zip(names, (low, high), (COLOURS[5], COLOURS[1]), strict=True):
             marked = [] if each._few_values_note([95.0]) else [95.0]
             nominal, mean, *places = _in_words(each, factor, marked)
             most = "".join(f", 95% below {place}{shown}" for place in places)
             label = f"{name}: nominal {nominal}{shown}, mean {mean}{shown}{most}"
-            axes.hist(factor * each.values, bins="auto", color=colour, alpha=0.6, label=label,
+            axes.hist(factor * each.values, bins=bins, color=colour, alpha=0.6, label=label,
                       edgecolor=axes.get_facecolor(), linewidth=0.5)  # fmt: skip
             for percent in marked:
                 axes.axvline(factor * each.percentile(percent), color=colour, linestyle=":")
@@ -68,10 +74,22 @@ def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[s
     return axes
 
 
+def _common_bins(one: Array, other: Array) -> list[float]:
+    """Edges of bins for two histograms, as narrow as those of the narrower one alone."""
+    both = np.concatenate([one, other])
+    widths = [np.diff(np.histogram_bin_edges(each, "auto"))[0] for each in (one, other)
+              if np.ptp(each) > 0.0]  # fmt: skip
+    if not widths:
+        return list(np.histogram_bin_edges(both, "auto"))
+    count = min(int(np.ceil(np.ptp(both) / min(widths) - 1e-9)), MAX_BINS)
+    return list(np.linspace(both.min(), both.max(), max(count, 1) + 1))
+
+
 def _finish(axes: Axes, found: Distribution, unit: str, *, own: bool, title: str = "") -> None:
     """Label the axes, and name the chain and its deviations."""
     label_narrow_axis(axes)
     axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
+    axes.yaxis.set_major_locator(MaxNLocator("auto", integer=True))
     axes.set_ylabel(f"number of chains, of {len(found.values)}")
     deviations = with_micro(found.scatter._in_words(found.chain.units))
     set_title(axes, f"{title or chain_title(found.chain)}, {deviations}".replace("+-", "±"))

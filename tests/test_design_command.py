@@ -391,6 +391,10 @@ def test_invalid_values_of_all_tables_are_reported_together(file):
     starts = "seed must be", "scatter of the radius", "the constraint on length"
     for line, start in zip(found, (*starts, "the constraint on velocity@last"), strict=True):
         assert line.strip().startswith(start)
+    # Unknown names do not hide invalid limits.
+    file.write_text(f'{PROBLEM}[design.subject_to]\nlenth = "<= 80"\n"velocity@last" = "= 1"\n')
+    with pytest.raises(hc.InputError, match=r"(?s)2 errors:.*'lenth'.*constraint on velocity@last"):
+        hc.load_design(file)
 
 
 STEEL = hc.Chain.from_materials(5e-3, "steel-304", beads=6, velocity=1.0)

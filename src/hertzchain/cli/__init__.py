@@ -52,6 +52,12 @@ GROUPS: Final = {
     "Installation": (warm_up.warm_up,),
 }  # fmt: skip
 
+# Meanings of unknown commands.
+OTHER_COMMANDS: Final = {
+    **dict.fromkeys(("hammer", "striker", "impact"), "simulate with --striker"),
+    **dict.fromkeys(("run", "wall", "force"), "'simulate'"),
+}  # fmt: skip
+
 
 class Overview(click.Group):
     """A group whose help lists its commands by what they are for."""
@@ -63,7 +69,8 @@ class Overview(click.Group):
         from ..errors import unknown_name_error
 
         if args and args[0] not in self.commands and not args[0].startswith("-"):
-            raise unknown_name_error("command", args[0], list(self.commands))
+            meant = OTHER_COMMANDS.get(args[0].lower(), "")
+            raise unknown_name_error("command", args[0], list(self.commands), meant=meant)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, _: click.Context, formatter: click.HelpFormatter) -> None:

@@ -138,7 +138,8 @@ def read_design(
         entries = table.get("vary", [])
         if isinstance(entries, Mapping):
             entries = [entries]
-        raise_all([*_unknown_names(document, table, entries)])
+        if unknown := [*_unknown_names(document, table, entries)]:
+            raise_all([*unknown, *_invalid_limits(document, table, file.parent)])
         if "chain" not in document:
             raise InputError("it has no table [chain]")
         if not entries:
@@ -187,6 +188,24 @@ def _values(
         raise errors[0]
     raise_all([*map(str, errors)])
     return found["chain"], [found[f"vary {i}"] for i in range(len(entries))]
+
+
+def _invalid_limits(
+    document: Mapping[str, Any], table: Mapping[str, Any], folder: Path
+) -> Iterator[str]:
+    """Describe invalid values of limits with known names, if the chain is known."""
+    limits = table.get("subject_to", {})
+    try:
+        chain = chain_from(document, folder)
+    except InputError:
+        return
+    for name in limits if isinstance(limits, Mapping) else ():
+        if [*unknown_quantities([name])]:
+            continue
+        try:
+            requirements_from({name: limits[name]}, chain)
+        except InputError as error:
+            yield str(error)
 
 
 def _unknown_names(

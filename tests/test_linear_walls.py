@@ -82,14 +82,21 @@ def test_units_and_files_of_linear_walls(tmp_path):
     assert wall.stiffness == 2e6
     chain = hc.Chain.from_materials(10e-3, "steel-52100", beads=5, velocity=0.1, right_wall=wall)
     run = hc.simulate(chain, times=0)
-    (tmp_path / "chain.toml").write_text(hc.chain_as_toml(chain))
-    assert hc.load_chain(tmp_path / "chain.toml").right_wall.exponent == 1.0
+    file = tmp_path / "chain.toml"
+    file.write_text(hc.chain_as_toml(chain))
+    assert hc.load_chain(file).right_wall.exponent == 1.0
+    # The unit of the table of a file, as of the app, determines the exponent.
+    file.write_text('[chain]\nradii = [1.0, 1.0]\nmaterials = "brass"\n'
+                    '[chain.right_wall]\nstiffness = "2 kN/mm"\n')  # fmt: skip
+    assert hc.load_chain(file).right_wall == wall
     scales = hc.Scales.of(chain)
     scaled = scales.to_scaled(chain)
     peak = scales.force * hc.simulate(scaled, times=0).wall_force().peak
     assert peak == pytest.approx(run.wall_force().peak, rel=1e-8)
-    with pytest.raises(hc.InputError, match="unit"):
-        hc.Wall("2 kN/mm")
+    assert hc.Wall("2 kN/mm") == wall
+    assert hc.Wall("2 N/m^1.5").exponent is None
+    with pytest.raises(hc.InputError, match="contacts with this unit have exponent = 1"):
+        hc.Wall("2 kN/mm", exponent=1.5)
     for wrong in (0.9, 0.0, 51.0):
         with pytest.raises(hc.InputError, match="a wall must be at least 1 and at most 50"):
             hc.Wall(stiffness=1.0, exponent=wrong)

@@ -180,7 +180,7 @@ def test_extreme_numbers_do_not_stop_a_conversion():
 @pytest.mark.parametrize(
     ("stiffness", "exponent", "said"),
     [
-        ("2 kN/mm", None, "got 'kN/mm'; contacts with this unit have exponent = 1$"),
+        ("2 kN/mm", 1.5, "got 'kN/mm'; contacts with this unit have exponent = 1$"),
         ("2 N/m^1.5", 1, "got 'N/m\\^1.5'; contacts with this unit have exponent = 1.5$"),
         ("2 N", None, "got 'N'$"),
         ("2 GPa", None, "got 'GPa'$"),

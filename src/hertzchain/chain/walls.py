@@ -8,6 +8,7 @@ from typing import Final
 
 from ..collision import HERTZ_EXPONENT
 from ..errors import InputError, short_repr
+from ..units import has_dimension, quantity
 from ..validation.keywords import checked_arguments, checked_fields
 from ..validation.numbers import is_word, number
 from .description import length_in_words, stiffness_in_words
@@ -66,7 +67,7 @@ class Wall(Part):
         Distance between wall and bead at time 0, >= 0 [scaled, or m].
     exponent : float or None
         Exponent p of the contact of wall and bead, >= 1; that of the chain if `None`.  A linear
-        spring, such as a pad or a load cell, has 1.
+        spring, such as a pad or a load cell, has 1, as does a stiffness with a unit such as N/m.
     loss : Restitution, Viscoelastic, ... or None
         Law of loss of this contact; that of the chain if `None`, no loss with ``Elastic()``.  A
         spring whose loss is not that of the balls, such as a load cell, needs its own, except
@@ -79,7 +80,7 @@ class Wall(Part):
     Wall(own material, gap = 0.1)
     >>> hc.Wall.of("steel-52100", gap="10 um")
     Wall(steel-52100, gap = 10 um)
-    >>> hc.Wall("2 kN/mm", exponent=1)
+    >>> hc.Wall("2 kN/mm")
     Wall(stiffness = 2 kN/mm, p = 1)
     """
 
@@ -97,6 +98,10 @@ class Wall(Part):
                 f"the first argument of Wall is its stiffness, a number, got {name!r}; a wall of a "
                 f"material is Wall.of({name!r})"
             )
+        if self.exponent is None and isinstance(self.stiffness, str):
+            parts = quantity(self.stiffness)
+            if parts is not None and has_dimension(parts[1], "N/m"):
+                object.__setattr__(self, "exponent", 1.0)
         if self.exponent is not None:
             object.__setattr__(self, "exponent", checked_wall_exponent(self.exponent))
         if self.stiffness is not None:

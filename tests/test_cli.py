@@ -374,6 +374,7 @@ def test_cite_has_the_literature_of_the_pages(page, run):
         (["simulate", "--sensor", "101"], "--sensor must be a whole number from 1 to 100, got 101"),
         (["simulate", "--sensor", "3", "--times", "0"], "--times 0 is too few"),
         (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
+        (["scatter", "--beads", "5", "--quantity", "mas"], "unknown quantity 'mas'"),
         (["hammer"], "unknown command 'hammer' (did you mean simulate with --striker?): choose"),
         (["recite"], "unknown command 'recite' (did you mean 'cite'?): choose from app, "),
         (["simulat"], "did you mean 'simulate'"),

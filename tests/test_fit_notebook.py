@@ -57,6 +57,14 @@ def test_comparisons_show_the_table_of_their_summary():
     for each in found.sensors:
         assert " ".join((each.name, *each.cells)) in text
     assert "before the record ends" in text
+    # Data in V and the scaled simulation begin at the level before the pulse.
+    times, columns = recorded()
+    volts = hc.Traces.from_arrays(times, {"wall [V]": 0.3 + 0.02 * columns["wall [N]"]})
+    found = hc.simulate(chain(), until=4e-4, times=3000).compare(volts)
+    drawn = re.findall(r'd="M\S+ ([\d.]+)L[^"]*" fill="none" stroke="#', found._repr_html_())
+    data, model = map(float, drawn)
+    assert data == pytest.approx(model, abs=2.0)
+    assert data < 90.0
 
 
 def test_fits_show_parameters_verdict_and_notes(result):

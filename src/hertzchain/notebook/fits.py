@@ -71,9 +71,6 @@ def traces_html(traces: Traces) -> str:
 
 def trace_comparison_html(found: TraceComparison) -> str:
     """Data and simulation of the first sensors, and the table of all."""
-    models = [
-        scale * model for scale, model in zip(found.scales, found.signals, strict=True)
-    ]  # fmt: skip
     headings = MEASURED_HEADINGS if found.exchanged else HEADINGS
     cells = [each.measured_cells if found.exchanged else each.cells for each in found.sensors]
     shown = {} if found.exchanged else {
@@ -84,7 +81,7 @@ def trace_comparison_html(found: TraceComparison) -> str:
     return page(
         "TraceComparison", "data and simulation", *_notes([found._statement]),
         legend((("data", MEASURED), ("simulation", MODEL))),
-        *_figures(found.traces.shots, [models]), numbers(shown), table(
+        *_figures(found.traces.shots, [found.scaled]), numbers(shown), table(
             headings, [(each.name, *own) for each, own in zip(found.sensors, cells, strict=True)]
         ),
         *_notes(found.notes[found.exchanged :]),

@@ -2183,6 +2183,10 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         tab.press("#shift", "Tab")
         tab.evaluate(NEXT_FRAME)
         assert crest()[0] > simulated + 10.0
+        note = tab.text_content("#record-note")
+        assert (
+            "the time at which the simulation begins is given; by least squares, it is 50." in note
+        )
         with tab.expect_download() as download:
             tab.click("#open-share")
             tab.click("[data-export=page]")

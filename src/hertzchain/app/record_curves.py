@@ -45,9 +45,10 @@ def record_curves(
             begin = float(shot.times[0])
             run = run_to_compare(chain, record.traces, begin, most=MAX_TIMES, progress=progress)
             found = compare_traces(run, record.traces)
-        notes += [*found.notes, *_alignment(found)]
+        # The page marks all remarks as an error if one of them is an error.
+        notes = [found.notes[0]] if found.exchanged else [*notes, *found.notes]
     except (InputError, SimulationError) as error:
-        notes.append(f"not aligned: {error}")
+        notes = [f"not aligned: {error}"]
     offset = 0.0 if found is None else found.time_offset
     times, curves = shot.times - offset, []
     near = (times >= -end) & (times <= 2.0 * end) if found is not None else np.isfinite(times)
@@ -66,8 +67,11 @@ def record_curves(
         curves.append(
             {"key": str(i), "label": label, "note": note, "static": static, "place": place}
         )
+    automatic, given = ([], []) if found is None else _beginnings(found)
     header = {
-        "name": record.name, "offset": offset, "curves": curves, "notes": notes,
+        "name": record.name, "offset": offset, "curves": curves, "notes": notes + automatic,
+        # Remarks if the user gives the time at which the simulation begins.
+        "given": notes + given,
         "aligned": found is not None,
         "exchanged": found is not None and found.exchanged,
     }  # fmt: skip
@@ -91,14 +95,14 @@ def _in_newton(
         scale, model = found.scales[number], found.signals[number]
         if not scale:
             return None, f"{signal.name} is in V and has no pulse to which it can be scaled"
-        largest = float(np.nanmax(np.abs(model)))
+        scaling, largest = found.sensors[number].scaling, float(np.nanmax(np.abs(model)))
         reached = float(np.nanmax(np.abs(values - level_of(resolved)))) / abs(scale)
         if reached > ABSURD * largest:
-            return None, (f"{signal.name} is not shown: with the fitted scale of {scale:.4g} V/N, "
+            return None, (f"{signal.name} is not shown: with the fitted scale of {scaling}, "
                           f"it would reach {1e-3 * reached:.3g} kN")  # fmt: skip
         first = model[resolved.valid & np.isfinite(model)][0]
         values = first + (values - level_of(resolved)) / scale
-        label += f" in V ({scale:.4g} V/N)"
+        label += f" in V ({scaling})"
     if resolved.coupling == "AC":
         values = values + static_force(signal.place, chain)
     return values, label
@@ -122,12 +126,19 @@ def _unscaled(signals: Sequence[Signal], *, exchanged: bool) -> list[str]:
     ]
 
 
-def _alignment(found: TraceComparison) -> list[str]:
-    """A sentence on the begin of the simulation and its error, if the data determine them."""
-    if found.exchanged or found.time_offset_given or not np.isfinite(found.time_offset_error):
-        return []
+def _beginnings(found: TraceComparison) -> tuple[list[str], list[str]]:
+    """Remarks on the begin of the simulation by least squares, and on one that the user gives."""
+    if found.exchanged:
+        return [], []
+    given = "the time at which the simulation begins is given"
+    if found.time_offset_given or not np.isfinite(found.time_offset_error):
+        return [], [given]
     begin = found.time_offset_text.replace("+-", "±").replace(" us", " µs")
-    return [f"by least squares, the simulation begins at {begin}"]
+    return (
+        [f"by least squares, the simulation begins at {begin}",
+         "the error of this time assumes that the chain is right"],
+        [f"{given}; by least squares, it is {begin}"],
+    )  # fmt: skip
 
 
 def _agreement(found: TraceComparison, number: int) -> str:

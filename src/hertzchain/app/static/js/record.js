@@ -75,6 +75,6 @@ export function showRecord() {
   $("record-name").textContent = name;
   $("shift").placeholder = shown.aligned ? begins(shown) : "0";
   if (document.activeElement !== $("shift")) $("shift").value = record.shift === null ? "" : String(+(1e6 * record.shift).toPrecision(9));
-  $("record-note").textContent = problem || [...aligned, ...(shown.notes ?? [])].join("; ");
+  $("record-note").textContent = problem || [...aligned, ...((record.shift !== null && shown.given) || shown.notes || [])].join("; ");
   $("record-note").classList.toggle("bad", problem !== "" || shown.aligned === false || shown.exchanged);
 }

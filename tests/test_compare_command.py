@@ -315,7 +315,7 @@ def test_exchanged_columns_are_not_also_wrong_gains_or_signs(run, files):
     ("prior", "words"),
     [
         ('["25 mV/N", "0.5 mV/N"]', r"standard deviations from its prior in \[fit\], 25.00 \+- "
-         r"0.50 mV/N: check the diameters"),
+         r"0.50 mV/N: check the velocity of the impact, the loss, the diameters"),
         ("[0.0175, 0.001]", r"agrees with its prior in \[fit\], 17.5 \+- 1.0 mV/N$"),
         ("[0.0192, 0.001]", r"differs by [12]\.\d standard deviations from its prior in \[fit\], "
          r"19.2 \+- 1.0 mV/N$"),

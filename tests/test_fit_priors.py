@@ -9,7 +9,13 @@ from scipy_row import FREE, RADIUS, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.fitting.parameters import free_parameters
-from hertzchain.fitting.prior_conflicts import ADVICE, _advised_once, conflict, contradicted
+from hertzchain.fitting.prior_conflicts import (
+    ADVICE,
+    COMPARED,
+    _advised_once,
+    conflict,
+    contradicted,
+)
 from hertzchain.units import volts_per
 
 CALIBRATION = "check the diameters, masses and materials of the chain, the calibration"
@@ -43,6 +49,11 @@ def test_common_advice_is_given_once():
     *found, advice = _advised_once(notes)
     assert found == ["a", "b", "c: check c", "d"]
     assert advice.startswith(CALIBRATION)
+    assert advice.endswith("the priors themselves")
+    # A comparison keeps the loss and the velocity, which are common factors of all gains.
+    *found, advice = _advised_once([("a", COMPARED), ("b", COMPARED)], COMPARED)
+    assert found == ["a", "b"]
+    assert advice.startswith("check the velocity of the impact, the loss, the diameters, masses")
     assert advice.endswith("the priors themselves")
 
 

@@ -36,6 +36,10 @@ ADVICE: Final = (
     "check the diameters, masses and materials of the chain, the calibration of the sensors, and "
     "the prior itself"
 )
+# A comparison finds gains for the loss and the impact of the file, which a fit usually frees.
+COMPARED: Final = ADVICE.replace(
+    "the diameters", "the velocity of the impact, the loss, the diameters"
+)
 
 
 def bound_notes(names: Sequence[str]) -> list[str]:
@@ -108,11 +112,11 @@ def conflict_notes(
     return _advised_once(found) or ((f"{clause}: {ADVICE}",) if clause else ())
 
 
-def _advised_once(notes: Sequence[tuple[str, str]]) -> tuple[str, ...]:
-    """Notes with their advice; that on the chain and the priors follows the last of several."""
-    several = sum(advice == ADVICE for _, advice in notes) > 1
-    own = [(note, "" if several and advice == ADVICE else advice) for note, advice in notes]
-    common = (ADVICE.replace("the prior itself", "the priors themselves"),) * several
+def _advised_once(notes: Sequence[tuple[str, str]], general: str = ADVICE) -> tuple[str, ...]:
+    """Notes with their advice; the general one follows the last of several."""
+    several = sum(advice == general for _, advice in notes) > 1
+    own = [(note, "" if several and advice == general else advice) for note, advice in notes]
+    common = (general.replace("the prior itself", "the priors themselves"),) * several
     return (*(f"{note}: {advice}" if advice else note for note, advice in own), *common)
 
 
@@ -136,9 +140,9 @@ def gain_notes(
         if gain * mean < 0.0:
             advice = POLARITY
         elif size > CONTRADICTS:
-            advice = _wrong_unit(Name("gain", sensor), gain / mean) or ADVICE
+            advice = _wrong_unit(Name("gain", sensor), gain / mean) or COMPARED
         found.append((note, advice))
-    return _advised_once(found)
+    return _advised_once(found, COMPARED)
 
 
 def _wrong_unit(name: Name, ratio: float) -> str:

@@ -119,8 +119,9 @@ _CHAIN: Final = (
     _number("stiffness", "stiffness of the contacts, if it does not follow", "stiffness",
             above=0.0, per="contact", one_for_all=True),
     _number("velocities", "velocities at time 0", "velocity", per="bead", one_for_all=True),
-    _number("gaps", "distances of neighbours at time 0", "length", least=0.0, per="contact",
-            one_for_all=True),
+    _number("gaps", "distances of neighbours at time 0, the first that of balls 1 and 2; strikers "
+            "of [[chain.struck_by]] and walls have a gap of their own", "length", least=0.0,
+            per="contact", one_for_all=True),
     _number("precompression", "static force on the contacts", "force", default=0.0, least=0.0),
     Key("held_by", "choice", "what holds a precompressed chain", default="walls",
         choices=HELD_BY),

@@ -332,6 +332,10 @@ def test_simulate_states_the_peak_with_contacts_that_yield(run, tmp_path):
     (("--until", "1e-4"), "write, for example, --until '100 us'"),
     (("--step", "2e-9"), "write, for example, --step '0.002 us'"),
     (("--speed", "1"), "write, for example, --speed '1 m/s'"),
+    # The option has two names.
+    (("--velocity=1",), "Error: --velocity 1 has no unit; write, for example, --velocity '1 m/s'"),
+    (("--velocity", "-1 m/s", "--striker", "1"), "above 0, but that of the impact is -1: give a "
+     "positive --velocity"),
 ])  # fmt: skip
 def test_quantities_of_options_need_units(run, option, advice):
     balls = ("simulate", *BALLS, "--method", "symplectic")

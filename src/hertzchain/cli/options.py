@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeAlias
 import click
 
 from .chain_completion import complete_measures
+from .wording import TYPED, in_words_of_the_command
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -68,14 +69,24 @@ class StrictCommand(click.Command):
                     raise click.UsageError(f"{option} is given {order.count(param)} times; give "
                                            "it once", ctx)  # fmt: skip
             _check_no_file_of_json(self, args, ctx)
+            ctx.meta[TYPED] = _other_names(self, args)
         return super().parse_args(ctx, args)
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; messages of the library are in the words of its options."""
-        from .wording import in_words_of_the_command
-
         with in_words_of_the_command():
             return super().invoke(ctx)
+
+
+def _other_names(command: click.Command, args: list[str]) -> dict[str, str]:
+    """Options that were typed by another name than their first one, with this name."""
+    typed = {arg.partition("=")[0] for arg in args}
+    return {
+        param.opts[0]: name
+        for param in command.params
+        for name in param.opts[1:]
+        if name.startswith("--") and name in typed and param.opts[0] not in typed
+    }
 
 
 def _check_no_file_of_json(command: click.Command, args: list[str], ctx: click.Context) -> None:

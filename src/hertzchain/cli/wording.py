@@ -12,6 +12,8 @@ from click.core import ParameterSource
 
 from ..errors import InputError, SimulationError
 
+# Key of a context with the first names of options that were typed by another name, and this name.
+TYPED: Final = "hertzchain.typed_options"
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
     (r"\bwith_cap\('([^']*)'\)", r"cap = '\1' in [chain]"),
@@ -142,8 +144,20 @@ def in_words_of_the_command() -> Iterator[None]:
     try:
         yield
     except (InputError, SimulationError) as error:
-        error.args = (on_command_line(str(error)),)
+        error.args = (with_typed_names(on_command_line(str(error))),)
         raise
+    except click.UsageError as error:
+        if type(error) is not click.UsageError:
+            raise
+        raise click.UsageError(with_typed_names(error.message), error.ctx) from error.__cause__
+
+
+def with_typed_names(message: str) -> str:
+    """The message with options by the names that were typed, such as --velocity, not --speed."""
+    context = click.get_current_context(silent=True)
+    for name, typed in ({} if context is None else context.meta.get(TYPED, {})).items():
+        message = re.sub(rf"(?<![\w-]){name}(?![\w-])", typed, message)
+    return message
 
 
 def _with_dashes(message: str, context: click.Context) -> str:

@@ -546,6 +546,14 @@ def test_a_comparison_with_traces_shows_the_peaks():
         assert axes.get_title() == f"wall, peak: {peaks}"
     with hc.figure_style("double column"):
         assert compared.plot("wall").get_title() == "wall"
+    # The axis has the unit of the peaks, also if its limit has another one.
+    (shot,) = traces.shots
+    volts = 0.97 / wall.measured_peak * shot.signals[-1].values
+    data = hc.Traces.from_arrays(shot.times, {"wall [V]": volts})
+    axes = hc.simulate(hc.load_chain(chain), until=6e-4, times=1201).compare(data).plot("wall")
+    assert "data 970.0 mV" in axes.get_title()
+    assert axes.get_ylim()[1] > 1.0
+    assert axes.get_ylabel() == "signal [mV]"
 
 
 def test_curves_beyond_the_last_colour_have_other_symbols():

@@ -285,6 +285,9 @@ def _title_with_peaks(axes: Axes, comparison: TraceComparison, i: int) -> None:
     if journal_width.get() is None:
         found = comparison.sensors[i]
         data, own = found.cells[:2]
+        if found.volts:
+            axes.set_ylabel(signal_label(comparison.traces.shots[0].signals[i]))
+            use_prefix(axes, abs(found.measured_peak))
         set_panel_title(axes, literal(f"{found.name}, peak: {DATA} {data}, {SIMULATION} {own}"))
 
 

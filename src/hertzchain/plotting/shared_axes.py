@@ -59,10 +59,13 @@ def label_quantities(axes: Axes) -> None:
             line.set_label(f"{words}{labels[quantity, chain.units].partition(' [')[0]}")
 
 
-def use_prefix(axes: Axes) -> None:
-    """Show small values of an axis with a prefix of their unit, such as 0.2 mJ."""
-    log = axes.get_yscale() == "log"
-    label, largest = axes.get_ylabel(), max(map(abs, axes.get_ylim()))
+def use_prefix(axes: Axes, largest: float | None = None) -> None:
+    """Show small values of an axis with a prefix of their unit, such as 0.2 mJ.
+
+    The prefix suits the largest value, by default that of the limits.
+    """
+    log, label = axes.get_yscale() == "log", axes.get_ylabel()
+    largest = max(map(abs, axes.get_ylim())) if largest is None else largest
     without_prefix(axes)
     name, _, unit = label.rpartition(" [")
     own = unit.rstrip("]")

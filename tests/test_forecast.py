@@ -238,6 +238,10 @@ def test_a_noise_in_volts_is_that_of_a_sensor_without_calibration():
     given = hc.forecast(row, ["ball 5"], noise="0.4 N", priors=priors, **known)
     assert given.rows() == named.rows()
     assert any("a noise of 0.4 N is one of 2 mV" in each for each in given.notes)
+    with pytest.raises(hc.InputError, match=r"got '0.4 N'; a gain with a unit, .* without \[V\]$"):
+        hc.forecast(row, ["ball 5 [V]"], noise="0.4 N", priors=priors, **known)
+    with pytest.raises(hc.InputError, match=r"such as '3 mV', got 'small'$"):
+        hc.forecast(row, ["ball 5 [V]"], noise="small", priors=priors, **known)
     # A gain without a unit is a factor on a signal in N.
     plain = hc.forecast(row, ["ball 5"], noise="0.4 N", priors={"gain[ball 5]": (1, 0.02)}, **known)
     assert plain.rows()[1][1].startswith("1.0")

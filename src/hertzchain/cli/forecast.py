@@ -24,7 +24,7 @@ from .wording import on_command_line
     help="Place of a sensor, such as 'ball 7', wall, 'load cell' or 'ball 3 velocity'.  A sensor "
     "without calibration, such as 'ball 7 [V]', needs a prior of its gain.  A noise in V or mV, or "
     "a free gain with a unit such as 20 mV/N, has the same effect; such a gain also converts a "
-    "noise in N.  Repeatable.",
+    "noise in N of a sensor without [V].  Repeatable.",
 )
 @click.option(
     "--noise",

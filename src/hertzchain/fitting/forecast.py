@@ -33,7 +33,7 @@ from .flat_valleys import derivatives_at
 from .held_by_priors import prior_notes
 from .model import Model, Values, make_model
 from .parameters import Parameter, Priors, free_parameters
-from .planned_gains import recorded_in_volts
+from .planned_gains import CONVERTED, recorded_in_volts
 from .planned_notes import planned_notes
 from .problem import Problem
 from .result_document import constants_document, parameters_document
@@ -410,7 +410,7 @@ def planned_traces(
         own = given_noise(noise, place.name)
         if own is None:
             raise InputError(f"{place.name} has no noise; give noise for each sensor")
-        sigma = positive_noise(place.name, own, unit)
+        sigma = positive_noise(place.name, own, unit, CONVERTED)
         signals.append(Signal(place, unit, np.zeros(count), np.ones(count, bool), sigma, 0, 0.0))
     return Traces((Shot(step * np.arange(count), tuple(signals)),))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 from ..errors import InputError
 from ..representation import shown_signal
@@ -15,6 +15,12 @@ from ..units import volts_per
 from ..validation.objects import check_list
 from .names import Name, parse_name
 from .settings import Settings
+
+# Advice on a noise in N of a sensor whose signal is given in V.
+CONVERTED: Final = (
+    "; a gain with a unit, such as a prior of 20 mV/N, converts a noise in N if the sensor is "
+    "named without [V]"
+)
 
 
 def recorded_in_volts(traces: Traces, settings: Settings) -> tuple[Traces, tuple[str, ...]]:

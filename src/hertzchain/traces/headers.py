@@ -66,8 +66,11 @@ def in_volts(noise: object) -> bool:
     return found is not None and found[1] in VOLTS
 
 
-def positive_noise(name: str, given: object, unit: str) -> float:
-    """Noise of a sensor in its unit; text such as ``"3 mV"`` is converted."""
+def positive_noise(name: str, given: object, unit: str, advice: str = "") -> float:
+    """Noise of a sensor in its unit; text such as ``"3 mV"`` is converted.
+
+    The advice is for a noise in another unit, such as N, of a sensor without calibration.
+    """
     what = f"noise of {name}"
     if unit != "V":
         return number(what, given, unit=unit, above=0.0)
@@ -76,7 +79,7 @@ def positive_noise(name: str, given: object, unit: str) -> float:
         if found is None or found[1] not in VOLTS:
             raise InputError(
                 f"{what} must be a number or text with a unit of its signal, such as '3 mV', got "
-                f"{given!r}"
+                f"{given!r}{advice if found is not None else ''}"
             )
         given = float(found[0]) * VOLTS[found[1]]
     return number(what, given, above=0.0)

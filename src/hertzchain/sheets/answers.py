@@ -19,7 +19,7 @@ from ..recorded_warnings import ignore_warnings
 from ..representation import listed
 from .row import at_place, names, place_in_words
 from .sheet import WALL, LabSheet, lab_sheet
-from .similarity import EXPONENT_OF_FORCES, EXPONENT_OF_TIMES, other_scales, scale_free_loss
+from .similarity import EXPONENT_OF_FORCES, other_scales, scale_free_loss
 
 # Differences of exponents that are shown with three decimals.
 SEEN: Final = 5e-4
@@ -136,8 +136,10 @@ def _distance(chain: Chain, first: str, second: str) -> float:
 
 def on_travel(sheet: LabSheet) -> str:
     """How the travel times depend on the speed."""
-    text = (f"In contacts that follow Hertz's law, times are proportional to "
-            f"v^({EXPONENT_OF_TIMES:g}), so that a stronger pulse is faster.")  # fmt: skip
+    text = (
+        "In contacts that follow Hertz's law, times are proportional to v^(-1/5), so that a "
+        "stronger pulse is faster."
+    )
     found = [
         f"{one} to {other}: {_exponent(float(slope))}"
         for (one, other), slope in zip(

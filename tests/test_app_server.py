@@ -210,8 +210,22 @@ def test_the_peak_with_contacts_that_yield_is_stated():
     assert peak["yielding"] == peak["first"]
     assert len(peak["shown"]) == 1
     plastic = {"chain": {**yields["chain"], "loss": {"law": "elastic-plastic"}}}
-    peak = computed(plastic)["run"][0]["peaks"]["right"]
+    header = computed(plastic)["run"][0]
+    peak = header["peaks"]["right"]
     assert peak["yielding"] == peak["first"] == pytest.approx(expected, rel=1e-6)
+    # The table of two chains compares it with an elastic one at both pressures.
+    assert [each[:2] for each in peak["shown"]] == [
+        ["peak", peak["first"]],
+        ["peak if contacts yield at 1.6 Y", pytest.approx(expected, rel=1e-6)],
+        ["at 2.8 Y", pytest.approx(harder, rel=1e-6)],
+    ]
+    assert sum("the yield pressure is assumed" in each for each in header["warnings"]) == 1
+    # A given pressure is neither of both, unless no contact yields.
+    given = {"law": "elastic-plastic", "factor": 2.8}
+    for chain, same in ((yields["chain"], False), (below["chain"], True)):
+        peak = computed({"chain": {**chain, "loss": given}})["run"][0]["peaks"]["right"]
+        assert len(peak["shown"]) == 1
+        assert peak["yielding"] == (peak["first"] if same else None)
     lossy = {"chain": {**yields["chain"], "loss": LOSS}}
     assert computed(lossy)["run"][0]["peaks"]["right"]["yielding"] is None
 

@@ -7,13 +7,9 @@ from typing import Any, Final
 
 from ..chain.bead_names import bead_label
 from ..chain.chain import Chain
-from ..chain.materials import FULLY_PLASTIC
 from ..simulation.body_force import ABOVE, MAY_FOLLOW, body_force, force_on_body
 from ..simulation.body_peak import BodyForce
 from ..simulation.run import Run
-from ..simulation.sensor_force import MANY_TIMES
-from ..simulation.yield_range import at_fully_plastic_pressure
-from ..simulation.yielding import pressures_below_yield
 from ..units import STANDARD_GRAVITY
 from .yield_notes import known_peak, peaks_if_yielding
 
@@ -45,12 +41,8 @@ def body_peaks(run: Run, progress: Callable[..., None] | None) -> dict[str, Any]
     if not found.complete and progress is not None:
         words = f"largest force so far{above} ({MAY_FOLLOW})"
     shown: list[list[Any]] = [[words, found.force, found.time]]
-    with_yield = [] if progress is None else _with_yield(run, progress)
-    yielding = known_peak(with_yield)
-    # Contacts yield in this run, or not at all.
-    yields = any(law.yields for law in chain.contact_losses)
-    if yielding is None and (yields or pressures_below_yield(run)):
-        yielding = found.force
+    with_yield = [] if progress is None else peaks_if_yielding(run, progress)
+    yielding = known_peak(run, with_yield, found.force)
     return {
         **names, "shown": shown + with_yield, "impact": _motion(chain, found),
         "yielding": yielding,
@@ -63,13 +55,3 @@ def _motion(chain: Chain, found: BodyForce) -> list[tuple[str, float, str]]:
     if chain.units == "SI":
         numbers.append((IN_G0, found.acceleration / STANDARD_GRAVITY, "g0"))
     return [*numbers, (f"duration above {ABOVE:.0%} of it", found.duration, "s")]
-
-
-def _with_yield(run: Run, progress: Callable[..., None]) -> list[list[Any]]:
-    """Largest forces with contacts that yield, at first yield and at the largest pressure."""
-    options = {"until": run.end_time, "times": MANY_TIMES, "progress": progress}
-    if (other := at_fully_plastic_pressure(run, **options)) is not None:
-        found = body_force(other)
-        words = f"largest force if contacts yield at {FULLY_PLASTIC:g} Y"
-        return [] if found is None else [[words, found.force, None]]
-    return peaks_if_yielding(run, progress)

@@ -11,7 +11,6 @@ import numpy as np
 from ..chain.bead_names import Side, bead_label
 from ..chain.chain import Chain
 from ..chain.drives import Drive
-from ..chain.laws.elastic_plastic import ElasticPlastic
 from ..collision import Array, compression_time
 from ..errors import SimulationError
 from ..notebook.drawing import engineering
@@ -22,7 +21,6 @@ from ..simulation.run import Run
 from ..simulation.sensor_force import FREE_FACE, SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import UNBALANCED
-from ..simulation.yielding import pressures_below_yield
 from .body_curve import BODY, body_peaks
 from .yield_notes import known_peak, peaks_if_yielding
 
@@ -260,11 +258,7 @@ def _wall_peaks(
     yielding = None
     if side == "right" and complete and progress is not None:
         shown += (with_yield := peaks_if_yielding(run, progress))
-        if with_yield:
-            yielding = known_peak(with_yield)
-        # No contact yields, or the peak includes it.
-        elif isinstance(run.chain.loss, ElasticPlastic) or pressures_below_yield(run):
-            yielding = first
+        yielding = known_peak(run, with_yield, first)
     above = " above the static force" if wall.static_force else ""
     impact = [
         ("impulse of the impact" + above, wall.excess_impulse, "N s"),

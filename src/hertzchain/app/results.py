@@ -296,7 +296,7 @@ def _run_part(
     header = {
         "part": "run", **request.identity, "message": _end(run), "success": run.success,
         "peaks": peaks, "energy_drift": run.energy_drift,
-        "warnings": warnings + assumption_note(peaks),
+        "warnings": warnings + assumption_note(chain, peaks),
         "closed": run._still_closed, "over_static": OVER_STATIC if has_static_forces(chain) else "",
         "coarse": "" if request.draft else coarse_frames(run), "record": measured,
         "seconds": {"simulate": took, "pack": time.perf_counter() - began}, **modes,

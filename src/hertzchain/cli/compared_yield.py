@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..representation import listed, measure
-from ..simulation.yield_range import depends_on_yield_pressure
-from ..simulation.yielding import MAX_BEADS, dented_chain, may_dent
+from ..simulation.yield_range import depends_on_yield_pressure, same_at_any_pressure
+from ..simulation.yielding import MAX_BEADS, may_dent
 
 if TYPE_CHECKING:
     from ..chain.chain import Chain
@@ -69,25 +69,18 @@ def at_pressures(
     ``outside`` states whether they are beyond the range of the law.  For an elastic run, only the
     peaks on its right wall or on a cap without a wall are known, ``yielding``.
     """
-    from ..chain.contact_groups import law_yield_ratios
     from ..chain.hertz_range import hertz_range
 
     chain = run.chain
-    if has_law_of_yield(run):
-        if depends_on_yield_pressure(run):
-            return AtPressures(own, other, outside=outside)
-        # A given pressure is neither of both.
-        ratios = law_yield_ratios(chain.contact_groups, run._furthest_overlaps)
-        if (ratios >= 1.0).any():
-            return _unknown("the chain has a yield pressure of its own")
+    if depends_on_yield_pressure(run):
+        return AtPressures(own, other, outside=outside)
+    if same_at_any_pressure(run):
         return AtPressures(own, own, outside=(outside[0], outside[0]))
+    if has_law_of_yield(run):
+        return _unknown("the chain has a yield pressure of its own")
     if chain.materials is None or chain.units != "SI":
         return _unknown("no materials")
-    if not may_dent(hertz_range(chain, run.largest_overlaps)):
-        if dented_chain(chain) is None:
-            return _unknown("contacts have a loss without yield")
-        return AtPressures(own, own, outside=(outside[0], outside[0]))
-    if not chain.lossless:
+    if not chain.lossless or not may_dent(hertz_range(chain, run.largest_overlaps)):
         return _unknown("contacts have a loss without yield")
     low, high = yielding
     if not at_right_end or low is None or high is None:

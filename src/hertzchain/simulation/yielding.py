@@ -224,12 +224,26 @@ def peak_with_yielding_contacts(
         dented = with_factor(dented, factor)
     with ignore_warnings():  # those of the elastic run are shown
         again = _simulated_again(run, dented, progress)
-    found = None if again is None else _peak_at_the_end(again)
-    if again is None or found is None:
+    return None if again is None else peak_of(again)
+
+
+def peak_at_pressure(run: Run, factor: float, progress: Progress | None = None) -> WithYield | None:
+    """The same peak of a run that yields at an assumed pressure, at another one."""
+    from ..chain.yield_pressure import with_factor
+
+    if run.chain.beads > MAX_BEADS:
+        return None
+    with ignore_warnings():  # those of the run itself are shown
+        again = _simulated_again(run, with_factor(run.chain, factor), progress)
+    return None if again is None else peak_of(again)
+
+
+def peak_of(run: Run) -> WithYield | None:
+    """The same peak of the run itself, which yields."""
+    if (found := _peak_at_the_end(run)) is None:
         return None
     peak, several, so_far = found
-    ratio = largest_overlap_ratio(dented, again.largest_overlaps)
-    return WithYield(peak, ratio, several, so_far)
+    return WithYield(peak, largest_overlap_ratio(run.chain, run.largest_overlaps), several, so_far)
 
 
 def first_yield_after_peak(run: Run, found: WithYield) -> float | None:

@@ -10,6 +10,7 @@ from matplotlib.patches import Rectangle
 import hertzchain as hc
 from hertzchain.designs.comparison import same_as, shown_chains
 from hertzchain.designs.search_budget import budget_from, simulations_within
+from hertzchain.plotting.design_beads import _write_names
 
 STEEL = "steel-52100"
 WORDS = "outside the range of Hertz's law, where forces are not a prediction"
@@ -76,6 +77,20 @@ def test_equal_rows_are_drawn_once(stiff):
     assert [*shown_chains(stiff)] == ["design"]
     axes = stiff.plot("forces")
     assert axes.get_legend().get_texts()[0].get_text().startswith("design = best row of equal")
+    plt.close(axes.figure)
+
+
+def test_a_name_that_is_taller_than_small_balls_ends_above_the_label_of_the_diameters():
+    axes = plt.subplots(figsize=(7.0, 2.2))[1]
+    axes.set(aspect="equal", xlim=(0.0, 120.0), ylim=(-22.0, 6.0))
+    lines = ["design = best", "row of equal", "balls"]
+    _write_names([(0.0, ["given chain"]), (-14.0, lines)], axes, 2.5)
+    _, last = axes.texts
+    axes.figure.canvas.draw()
+    extent = last.get_window_extent().transformed(axes.transData.inverted())
+    assert extent.height > 5.0
+    # The lowest line has room below its letters.
+    assert extent.y0 == pytest.approx(-16.5, abs=0.2)
     plt.close(axes.figure)
 
 

@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 MAX_ROWS, ROOM = 3, 1.3
 # Width of a character, relative to the size of the font, and the longest line of a name.
 CHARACTER, MAX_NAME = 0.6, 14
+# Distance of lines of text, relative to the size of the font.
+LINE: Final = 1.2
 # Statement on a row whose overlaps exceed 0.1 of its radii.
 NOT_PREDICTED: Final = "forces not predicted"
 # Thickness of a pad in front of a wall, in radii of the largest bead.
@@ -45,6 +47,7 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
         found = shown_chains(result)
         factor, unit = (1e3, " [mm]") if result.chain.units == "SI" else (1.0, "")
         height = -DISTANCE * factor * max(half_heights(each.chain).max() for each in found.values())
+        names = []
         for row, (name, each) in enumerate(found.items()):
             chain = each.chain
             draw_beads(chain, factor, axes, height=row * height)
@@ -61,13 +64,11 @@ def plot_beads(result: DesignResult, *, ax: Axes | None = None) -> Axes:
                           color=grey(axes), linewidth=3.0)  # fmt: skip
             words = f"{name} = {same}" if name == DESIGN and (same := same_as(result)) else name
             lines = [*textwrap.wrap(words, MAX_NAME), *violations(result, each)]
-            lines += [NOT_PREDICTED] * each.not_a_prediction
-            axes.text(-0.01, row * height, " \n".join(lines) + " ", ha="right", va="center",
-                      fontsize=rcParams["font.size"] * (1.0 if len(lines) == 1 else 0.8),
-                      transform=axes.get_yaxis_transform())  # fmt: skip
+            names.append((row * height, lines + [NOT_PREDICTED] * each.not_a_prediction))
         axes.set_aspect("equal")
         axes.autoscale_view()
         axes.margins(x=0.01)
+        _write_names(names, axes, factor * half_heights(chain).max())
         if result.chain.units == "SI":
             _write_diameters(
                 result.chain, axes, row * height - half_heights(result.chain).max() * factor
@@ -98,20 +99,40 @@ def violations(result: DesignResult, found: Verified) -> list[str]:
     return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
 
 
+def _write_names(names: list[tuple[float, list[str]]], axes: Axes, half: float) -> None:
+    """Write lines beside rows of beads; half the height of the last row is given.
+
+    A tall name of the last row ends with its beads, above the label of the diameters.
+    """
+    for i, (at, lines) in enumerate(names):
+        small = 1.0 if len(lines) == 1 else 0.8
+        tall = LINE * small * len(lines) * _size(axes) > 2.0 * half and i == len(names) - 1
+        axes.text(-0.01, at - half * tall, " \n".join(lines) + " ", ha="right",
+                  va="bottom" if tall else "center", fontsize=small * rcParams["font.size"],
+                  transform=axes.get_yaxis_transform())  # fmt: skip
+
+
+def _size(axes: Axes) -> float:
+    """Size of the font in units of the axes; their layout may change, but hardly their width."""
+    low, high = axes.get_xlim()
+    points = POINTS_PER_INCH * figure_of(axes).get_figwidth() * axes.get_position().width
+    size = FontProperties(size=rcParams["font.size"]).get_size_in_points()
+    return float(size * (high - low) / points)
+
+
 def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
     """Write the diameters [mm] below the beads, or their range if there is no room.
 
     They are upright if the beads are narrow, and in several rows if one has no room.
     """
-    figure = figure_of(axes)
-    size = 0.8 * float(FontProperties(size=rcParams["font.size"]).get_size_in_points())
     low, high = axes.get_xlim()
-    # The layout of the figure may change, but hardly its width.
-    point = (high - low) / (POINTS_PER_INCH * figure.get_figwidth() * axes.get_position().width)
+    # In points, and in units of the axes.
+    size = 0.8 * float(FontProperties(size=rcParams["font.size"]).get_size_in_points())
+    letter = 0.8 * _size(axes)
     texts = ["flat" if flat else f"{2e3 * radius:.4g}"
              for flat, radius in zip(flat_bodies(chain), chain.radii, strict=True)]  # fmt: skip
     centres = 1e3 * body_centres(chain)
-    rows = _rows(centres / (point * size))
+    rows = _rows(centres / letter)
     label = "diameter [mm]"
     if rows == 0:
         texts, centres, rows = (
@@ -121,17 +142,17 @@ def _write_diameters(chain: Chain, axes: Axes, height: float) -> None:
         )
         label = "diameters"
     lengths = CHARACTER * np.array([len(text) for text in texts])
-    apart = np.diff(centres) / (point * size)
+    apart = np.diff(centres) / letter
     crowded = (apart < 0.5 * (lengths[1:] + lengths[:-1]) + 0.5 * CHARACTER).any()
     upright = rows > 1 or bool(crowded)
     tall = lengths.max() + CHARACTER if upright else 1.0
     for i, (text, centre) in enumerate(zip(texts, centres, strict=True)):
-        below = height - (0.3 + i % rows * tall) * size * point
+        below = height - (0.3 + i % rows * tall) * letter
         axes.text(centre, below, text, fontsize=size, ha="center", va="top",
                   rotation=90.0 * upright)  # fmt: skip
-    axes.text(-0.01, height - 0.3 * size * point, f"{label} ", fontsize=size, ha="right",
+    axes.text(-0.01, height - 0.3 * letter, f"{label} ", fontsize=size, ha="right",
               va="top", transform=axes.get_yaxis_transform())  # fmt: skip
-    axes.set_ylim(bottom=height - size * point * (0.6 + rows * tall))
+    axes.set_ylim(bottom=height - letter * (0.6 + rows * tall))
 
 
 def _rows(centres: Array) -> int:

@@ -117,8 +117,20 @@ def test_a_force_on_the_wall_as_that_of_a_bead(name):
     with pytest.raises(hc.InputError, match="the wall is wall_force.peak"):
         parse_measure(name, chain)
     for attempt in (lambda: hc.simulate_many([chain], keep=[name]), lambda: hc.sweep(spec)):
-        with pytest.raises(hc.InputError, match="did you mean 'wall_peak_force'"):
+        with pytest.raises(hc.InputError, match="did you mean 'wall_force.peak'"):
             attempt()
+
+
+def test_an_unknown_quantity_of_a_table_is_told_the_full_names():
+    chain = hc.Chain.uniform(5).replace(right_wall=hc.Wall())
+    for name in ("wall_force.max", "wall_peak_forc", "wall_peak"):
+        with pytest.raises(hc.InputError) as caught:
+            hc.simulate_many([chain], keep=[name])
+        assert "(did you mean 'wall_force.peak'" in str(caught.value)
+        assert "wall_peak_force, " not in str(caught.value)
+    for other in (5, ["velocity"]):
+        with pytest.raises(hc.InputError, match="unknown quantity"):
+            hc.simulate_many([chain], keep=[other])
 
 
 def test_sweeps_state_that_largest_velocities_need_a_bead():

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
+from ..errors import InputError, alternatives, similar_names, unknown_name_error
 from .quantities import (
     BODY_QUANTITIES,
     FINAL_QUANTITIES,
@@ -48,3 +50,15 @@ def column_name(name: Any) -> Any:
 def full_name(name: str) -> str:
     """Name of a quantity of a wall, a body, a sensor or the last state, from another name of it."""
     return _FULL_NAMES.get(name, name)
+
+
+def unknown_quantity_error(name: object, known: Sequence[str]) -> InputError:
+    """Error for an unknown quantity, with the full names of those that are known."""
+    full = [*map(full_name, known)]
+    return unknown_name_error("quantity", name, full, meant=full_names_meant(name, known))
+
+
+def full_names_meant(name: object, known: Sequence[str]) -> str:
+    """Full names that an unknown one may mean, from both names of each quantity."""
+    near = similar_names(name, dict.fromkeys([*map(full_name, known), *known]))
+    return alternatives(dict.fromkeys(map(full_name, re.findall("'([^']+)'", near))))

@@ -14,7 +14,7 @@ from ..chain.feature_support import require_chain, require_same_units
 from ..collision import Array
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError, warn_user
 from ..pulse.quantities import BODY_QUANTITIES, SENSOR_QUANTITIES
-from ..pulse.quantity_names import column_name
+from ..pulse.quantity_names import column_name, unknown_quantity_error
 from ..pulse.table_warnings import warn_exceeded, warn_failed
 from ..recorded_warnings import ignore_warnings
 from ..representation import counted
@@ -22,7 +22,7 @@ from ..threads import STOP, Signal, run_in_threads
 from ..validation.keywords import checked_arguments
 from ..validation.memory import check_memory
 from ..validation.numbers import number, whole_number, worker_count
-from ..validation.objects import Progress, callback, check_bool, check_choice, check_list
+from ..validation.objects import Progress, callback, check_bool, check_list
 from .body_force import MAY_FOLLOW
 from .ensemble_columns import (
     TABLE_QUANTITIES,
@@ -226,10 +226,10 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
     names = [keep] if isinstance(keep, str) else check_list("keep", keep, "names of quantities")
     if not names:
         raise InputError("keep must have at least one quantity, such as 'velocity', got none")
-    columns = map(column_name, names)
-    return tuple(
-        dict.fromkeys(check_choice("quantity", name, TABLE_QUANTITIES) for name in columns)
-    )
+    for name in names:
+        if not isinstance(name, str) or column_name(name) not in TABLE_QUANTITIES:
+            raise unknown_quantity_error(name, TABLE_QUANTITIES)
+    return tuple(dict.fromkeys(map(column_name, names)))
 
 
 def _checked_sensors(sensors: Iterable[int | str], given: Sequence[object]) -> tuple[int, ...]:

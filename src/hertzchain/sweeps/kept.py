@@ -16,6 +16,7 @@ from ..pulse.quantities import (
     WALL_QUANTITIES,
     Quantity,
 )
+from ..pulse.quantity_names import full_names_meant
 from .placed import LARGEST, PLACED, REFLECTION, column_of, example_of, full_name_of, placed
 
 # One value per bead or contact, and one value per run.
@@ -56,7 +57,11 @@ def unknown_quantity(name: object, known: Sequence[str]) -> InputError | str:
     full = [other for each in known if (other := full_name_of(each)) not in known]
     sensors = [f"{full_name_of(each)}@k" for each in (*SENSOR_QUANTITIES, *LARGEST)]
     reflections = [f"{full_name_of(each)}@j-k" for each in REFLECTION]
-    return unknown_name_error("quantity", name, (*known, *full, *sensors, *reflections))
+    # Full names are those of designs and of the other commands.
+    meant = full_names_meant(name, known)
+    return unknown_name_error(
+        "quantity", name, (*known, *full, *sensors, *reflections), meant=meant
+    )
 
 
 def absent_places(keep: Sequence[str], chains: Sequence[Chain]) -> list[str]:

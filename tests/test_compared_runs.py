@@ -1,5 +1,7 @@
 """The table of several chains that `hertzchain simulate` prints."""
 
+import math
+
 import pytest
 
 import hertzchain as hc
@@ -121,7 +123,7 @@ def test_a_loss_without_yield_has_no_peak_at_a_yield_pressure(run, tmp_path):
 
 
 def test_a_figure_of_elastic_contacts_beyond_yield_says_so():
-    from hertzchain.cli.compared_yield import figure_title
+    from hertzchain.cli.compared_yield import AtPressures, figure_title
     from hertzchain.cli.run_summary import peaks_if_yielding
 
     runs = {"nylon": hc.simulate(heavy_strike("nylon")), "gentle": hc.simulate(row("9 mm"))}
@@ -133,6 +135,13 @@ def test_a_figure_of_elastic_contacts_beyond_yield_says_so():
     assert figure_title({"gentle": runs["nylon"]}, {"gentle": (None, None)}) == ""
     runs["yields"] = hc.simulate(row("9 mm", loss=hc.ElasticPlastic()))
     assert figure_title(runs, {}) == "yields: contacts yield at 1.6 Y (Y: yield strength)"
+    at = {"nylon": AtPressures(42.1, 60.0, elastic=True), "yields": AtPressures(3.0, 3.0)}
+    assert figure_title(runs, yielding, at) == (
+        "yields: contacts yield at 1.6 Y (Y: yield strength)\n"
+        "peaks at 1.6 and 2.8 Y: nylon 42.1 and 60 N, yields 3 and 3 N"
+    )
+    at["nylon"] = at["nylon"]._replace(largest=math.inf)
+    assert figure_title(runs, yielding, at).endswith(": nylon 42.1 N")
     pulses = [each.pulse() for each in runs.values()]
     title = hc.plot_pulses(pulses).get_title().replace("\n", " ")
     assert title.endswith(", contacts yield at 1.6 Y (Y: yield strength)")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..representation import listed, measure
@@ -162,28 +163,54 @@ def limited_pressure_notes(
             "have yielded"]  # fmt: skip
 
 
-def figure_title(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
+def figure_title(
+    runs: Mapping[str, Run], yielding: Mapping[str, Yielding],
+    at: Mapping[str, AtPressures] = MappingProxyType({}),
+) -> str:  # fmt: skip
     """Title of a figure: the assumed yield pressure, or that elastic contacts are beyond yield.
 
-    The latter is followed by the peaks if they yield, where there is room.
+    The latter is followed by the peaks if they yield, where there is room; those of all runs at
+    both pressures, ``at``, are on a line of their own.
     """
     from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
 
     lawful = [name for name, run in runs.items() if assumes_pressure(run.chain)]
-    beyond = beyond_yield(runs, yielding)
-    if not lawful:
-        return beyond
-    whose = "" if len(lawful) == len(runs) else f"{listed(lawful)}: "
-    return "; ".join(filter(None, (f"{whose}{YIELD_ASSUMED} {DEFINED}", beyond)))
+    elastic, beyond = _beyond_yield(runs, yielding)
+    whose = f"{listed(lawful)}: " if 0 < len(lawful) < len(runs) else ""
+    law = f"{whose}{YIELD_ASSUMED} {DEFINED}" * bool(lawful)
+    if (law or beyond) and (peaks := _at_both_pressures(runs, at)):
+        # The legend names elastic contacts beside others.
+        return f"{law or elastic}\n{peaks}"
+    return "; ".join(filter(None, (law, beyond)))
+
+
+def _at_both_pressures(runs: Mapping[str, Run], at: Mapping[str, AtPressures]) -> str:
+    """Peaks of several runs at both yield pressures; empty if one is unknown, or without room."""
+    ends = [end for each in at.values() for end in each.both]
+    if len(at) < 2 or not all(map(math.isfinite, ends)) or any(any(a.outside) for a in at.values()):
+        return ""
+    shown = []
+    for name, each in at.items():
+        low, high = (measure(end, "N", runs[name].chain.units, 3) for end in each.both)
+        if low.partition(" ")[2] == high.partition(" ")[2]:
+            low = low.partition(" ")[0]
+        shown.append(f"{name} {low} and {high}")
+    text = f"peaks at {' and '.join(possible_factors())} Y: {', '.join(shown)}"
+    return text if len(text) <= TITLE else ""
 
 
 def beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> str:
     """That elastic contacts are beyond yield, with the peaks if they yield."""
+    return _beyond_yield(runs, yielding)[1]
+
+
+def _beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> tuple[str, str]:
+    """The same without and with the peaks."""
     from ..chain.yield_pressure import YIELD_ASSUMED
 
     peaks = {name: peak for name, (peak, _) in yielding.items() if peak is not None}
     if not peaks:
-        return ""
+        return "", ""
     text = (
         "elastic contacts" if len(peaks) == len(runs) else f"{listed([*peaks])}: elastic contacts"
     )
@@ -193,4 +220,5 @@ def beyond_yield(runs: Mapping[str, Run], yielding: Mapping[str, Yielding]) -> s
     )
     known = not any(peak.outside for peak in peaks.values())
     whole = f"{text}; peak{'s' * (len(runs) > 1)} if {YIELD_ASSUMED}: {shown}"
-    return whole if known and len(whole) <= TITLE else f"{text}, beyond yield"
+    beyond = f"{text}, beyond yield"
+    return beyond, whole if known and len(whole) <= TITLE else beyond

@@ -273,7 +273,7 @@ def _plot(
     if nothing_to_plot(runs, peaks, impacts, beads):
         return False
     over = drawn_over_impacts(runs, peaks, impacts, beads)
-    save_figure(over or _drawn(runs, beads, yielding, forces=bool(sensors)), plot)
+    save_figure(over or _drawn(runs, beads, yielding, peaks, forces=bool(sensors)), plot)
     return True
 
 
@@ -405,8 +405,8 @@ def _with_forces(chains: dict[str, Chain]) -> bool:
 
 
 def _drawn(
-    runs: dict[str, Run], beads: dict[str, list[int]], yielding: dict[str, Yielding], *,
-    forces: bool,
+    runs: dict[str, Run], beads: dict[str, list[int]], yielding: dict[str, Yielding],
+    peaks: Peaks | None, *, forces: bool,
 ) -> Axes:  # fmt: skip
     """Plot forces in sensors, on walls and on caps, and velocities of one run as a map.
 
@@ -421,7 +421,7 @@ def _drawn(
     from ..plotting.runs import plot_forces_of_runs
     from ..plotting.style import literal, set_figure_title, with_line
 
-    title = figure_title(runs, yielding)
+    title = figure_title(runs, yielding, peaks.at if peaks else {})
     beyond = beyond_yield(runs, yielding)
     labels = with_losses({name: run.chain for name, run in runs.items()})
     runs = {labels[name]: run for name, run in runs.items()}

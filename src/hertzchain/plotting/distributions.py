@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from ..chain.yield_pressure import YIELD_ASSUMED
+from ..chain.yield_pressure import DEFINED, LOW, YIELD_ASSUMED
 from ..collision import Array
 from ..representation import in_column, usual_unit, with_decimals
 from .colours import COLOURS, grey
@@ -69,8 +69,9 @@ def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[s
             for percent in marked:
                 axes.axvline(factor * each.percentile(percent), color=colour, linestyle=":")
         # The legend has the pressures.
-        title = chain_title(low.chain).replace(YIELD_ASSUMED, "contacts yield")
-        _finish(axes, low, unit, own=True, title=title)
+        words = f"{YIELD_ASSUMED} {DEFINED}"
+        title = chain_title(low.chain).replace(f", {words}", "")
+        _finish(axes, low, unit, own=True, title=title, legend=words.replace(f" {LOW}", ""))
     return axes
 
 
@@ -85,7 +86,9 @@ def _common_bins(one: Array, other: Array) -> list[float]:
     return list(np.linspace(both.min(), both.max(), max(count, 1) + 1))
 
 
-def _finish(axes: Axes, found: Distribution, unit: str, *, own: bool, title: str = "") -> None:
+def _finish(
+    axes: Axes, found: Distribution, unit: str, *, own: bool, title: str = "", legend: str = ""
+) -> None:
     """Label the axes, and name the chain and its deviations."""
     label_narrow_axis(axes)
     axes.set_xlabel(found.label + (f" [{with_micro(unit)}]" if unit != "1" else ""))
@@ -93,7 +96,7 @@ def _finish(axes: Axes, found: Distribution, unit: str, *, own: bool, title: str
     axes.set_ylabel(f"number of chains, of {len(found.values)}")
     deviations = with_micro(found.scatter._in_words(found.chain.units))
     set_title(axes, f"{title or chain_title(found.chain)}, {deviations}".replace("+-", "±"))
-    place_legend(axes, own=own)
+    place_legend(axes, own=own, title=legend)
 
 
 def _if_yielding(found: Distribution, factor: float, unit: str) -> str:

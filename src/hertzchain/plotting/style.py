@@ -242,11 +242,17 @@ def set_title(axes: Axes, text: str, *, common: bool = False) -> None:
 
 
 def broken_title(text: str, letters: int) -> str:
-    """A title in lines of so many letters, which end at commas and semicolons where possible."""
+    """A title in lines of so many letters, which end at commas and semicolons where possible.
+
+    A semicolon at the end of a line is omitted.
+    """
+    if "\n" in text:
+        return "\n".join(broken_title(line, letters) for line in text.split("\n"))
     wrapper = textwrap.TextWrapper(letters, break_long_words=False, break_on_hyphens=False)
     whole = text.replace(DEFINED, DEFINED.replace(" ", "\u00a0"))
-    parts = wrapper.wrap(re.sub("(?<![,;:]) ", "\u00a0", whole))
-    return "\n".join(wrapper.fill(part.replace("\u00a0", " ")) for part in parts)
+    parts = wrapper.wrap(re.sub("(?<![,;]) ", "\u00a0", whole))
+    lines = "\n".join(wrapper.fill(part.replace("\u00a0", " ")) for part in parts)
+    return lines.replace(";\n", "\n")
 
 
 def with_line(axes: Axes, text: str) -> Axes:

@@ -371,7 +371,11 @@ def test_cite_has_the_literature_of_the_pages(page, run):
          "--stream and --max-steps cannot be combined"),
         (["simulate", "--stream", "long", "--until", "9", "--sensor", "3"],
          "--stream and --sensor cannot be combined"),
-        (["simulate", "--sensor", "101"], "--sensor must be a whole number from 1 to 100, got 101"),
+        (["simulate", "--sensor", "101"], "--sensor must be a whole number from 1 to 100, got 101; "
+         "or give a name: 'ball 11', 'last' or 'wall'"),
+        (["simulate", "--material", "brass", "--diameter", "9 mm", "--striker", "100g, flat, 5"],
+         "has 5 flat strikers, of which one strikes at most: omit the number, or write its unit, "
+         "such as '5 mm'"),
         (["simulate", "--sensor", "3", "--times", "0"], "--times 0 is too few"),
         (["simulate", "--stream", "/dev/null", "--until", "9"], "'/dev/null' is a file"),
         (["scatter", "--beads", "5", "--quantity", "mas"], "unknown quantity 'mas'"),
@@ -1491,8 +1495,12 @@ def test_digits_of_a_scatter_follow_its_standard_deviation(run):
 def test_percentiles_that_few_chains_do_not_determine_are_named(run, chains, few, needed):
     command = ("scatter", *BALLS, "--grade", 10, "--chains")
     note = f"note: {chains} chains do not determine the percentiles {few}; at least {needed} do"
-    assert run(*command, chains)[1].splitlines()[-1].startswith(note)
-    assert "note" not in run(*command, needed)[1]
+    *lines, last = run(*command, chains)[1].splitlines()
+    assert last.startswith(note)
+    assert [line for line in lines if " are below " in line] == [
+        line for line in lines if "50% are below" in line or (chains == 20 and "5% are" in line)
+    ]
+    assert run(*command, needed)[1].count(" are below ") == 5
 
 
 def test_numbers_without_a_dimension_may_be_percentages(run):

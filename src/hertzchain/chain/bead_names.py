@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any, Final, Literal
 
-from ..errors import InputError, short_repr
+from ..errors import InputError, alternatives, short_repr
 from ..representation import counted
 from ..validation.numbers import whole_number
 from .chain import Chain
@@ -42,7 +42,12 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
     The last bead is also named ``"last"``, and ``"cap"`` if it is one.
     """
     if not isinstance(bead, str):
-        return whole_number(what, bead, least=1, most=chain.beads)
+        try:
+            return whole_number(what, bead, least=1, most=chain.beads)
+        except InputError as error:
+            ball = max(1, min(EXAMPLE, chain.beads - chain.strikers - (chain.cap is not None)))
+            names = [f"ball {ball}", LAST, *[CAP] * (chain.cap is not None), *["wall"] * walls]
+            raise InputError(f"{error}; or give a name: {alternatives(names)}") from None
     name = usual_spelling(bead)
     if name == LAST:
         return chain.beads

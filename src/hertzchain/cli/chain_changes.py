@@ -115,6 +115,11 @@ def _striker(text: str, chain: Chain) -> dict[str, Any]:
         if key in given:
             raise click.UsageError(f"--striker {text!r} has two values of the {key}: omit one")
         given[key] = value
+    if given.get("count", 1) > 1 and "radius" in given:
+        raise click.UsageError(
+            f"--striker {text!r} has {given['count']} flat strikers, of which one strikes at most: "
+            f"omit the number, or write its unit, such as '{given['count']} mm'"
+        )
     _warn_count_for_mass(given, chain)
     if chain.scaled and given.keys() != {"count"}:
         raise click.UsageError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -168,7 +168,7 @@ def scatter(
     causes = causes_of(deviations, chain, as_csv=as_csv) if apart else {}
 
     def simulated(row: Chain, words: str = "", cause: str = "") -> Distribution:
-        with progress_bar(f"chains simulated{words}") as progress:
+        with progress_bar(f"random chains and the nominal one{words}") as progress:
             return hertzchain.distribution(
                 row, name, causes.get(cause, deviations), until=end, seed=seed, progress=progress
             )
@@ -263,18 +263,18 @@ def _statistics(found: Distribution) -> dict[str, Any]:
     }
 
 
-def _rows(found: Distribution) -> dict[str, float]:
+def _rows(found: Distribution, percents: Sequence[int]) -> dict[str, float]:
     """Values of a distribution, by the names of their rows."""
     rows = {"nominal": found.nominal, "mean": found.mean,
             "standard deviation": found.standard_deviation}  # fmt: skip
-    return rows | {f"{percent}% are below": found.percentile(percent) for percent in PERCENTILES}
+    return rows | {f"{percent}% are below": found.percentile(percent) for percent in percents}
 
 
-def _column(found: Distribution, factor: float, unit: str) -> list[str]:
+def _column(found: Distribution, percents: Sequence[int], factor: float, unit: str) -> list[str]:
     """The same values in words."""
     from ..representation import with_decimals
 
-    values = [factor * value for value in _rows(found).values()]
+    values = [factor * value for value in _rows(found, percents).values()]
     shown = with_decimals(values, factor * found.standard_deviation)
     return [f"{value} {unit}".rstrip() for value in shown]
 
@@ -284,18 +284,22 @@ def _table(found: Distribution, harder: Distribution | None) -> str:
     from ..designs.yield_range import YIELD_HIGH, YIELD_LOW
     from ..representation import usual_unit, with_decimals
 
-    rows, good = _rows(found), len(found.values)
+    # Notes state which percentiles so few values do not determine.
+    both = [found] if harder is None else [found, harder]
+    few = {each for each in PERCENTILES for one in both if one._few_values_note([each])}
+    percents = [each for each in PERCENTILES if each not in few]
+    rows, good = _rows(found, percents), len(found.values)
     lines = [found.chain.description]
     lines.append(f"{found.quantity}: {good} of {good + found.failed} random chains")
     unit = usual_unit(found.nominal, found.unit) if found.unit != "1" else (1.0, "")
-    columns = [_column(found, *unit), [""] * len(rows)]
+    columns = [_column(found, percents, *unit), [""] * len(rows)]
     if found.nominal:
         relative = [100.0 * value / found.nominal for value in rows.values()]
         spread = 100.0 * found.standard_deviation / abs(found.nominal)
         columns[1] = ["", *(f"{part}%" for part in with_decimals(relative, spread)[1:])]
     names = [*rows]
     if harder is not None:
-        columns.append(_column(harder, *unit))
+        columns.append(_column(harder, percents, *unit))
         names.insert(0, "")
         headings = YIELD_LOW, "", YIELD_HIGH
         for heading, column in zip(headings, columns, strict=True):

@@ -227,7 +227,7 @@ def test_balls_are_counted_without_the_strikers():
     with pytest.raises(hc.InputError, match="no ball 10: the chain has 9 balls after its strikers"):
         run.sensor_force("ball 10")
     np.testing.assert_array_equal(run.sensor("wall"), run.force(11))
-    with pytest.raises(hc.InputError, match="a name such as 'ball 11' .* got 'wal'"):
+    with pytest.raises(hc.InputError, match="a name such as 'ball 9' .* got 'wal'"):
         run.sensor("wal")
 
 

@@ -228,7 +228,7 @@ def _checked_names(keep: str | Iterable[str]) -> tuple[str, ...]:
         raise InputError("keep must have at least one quantity, such as 'velocity', got none")
     for name in names:
         if not isinstance(name, str) or column_name(name) not in TABLE_QUANTITIES:
-            raise unknown_quantity_error(name, TABLE_QUANTITIES)
+            raise unknown_quantity_error(name, [*TABLE_QUANTITIES])
     return tuple(dict.fromkeys(map(column_name, names)))
 
 

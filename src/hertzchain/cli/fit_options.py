@@ -102,6 +102,7 @@ def _prior(text: str) -> tuple[str, tuple[float | str, float | str]]:
         value, error = (as_typed(part) for part in rest.split(","))
     except ValueError:
         raise click.UsageError(
-            f"--prior must look like struck_by.velocity=0.3,0.003, got {text!r}"
+            "--prior must look like struck_by.velocity=0.3,0.003, with the value and its standard "
+            f"deviation, got {text!r}"
         ) from None
     return name, (value, error)

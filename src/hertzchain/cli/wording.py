@@ -26,6 +26,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)",
      r"use loss = {law = 'elastic-plastic', factor = \1} in the chain file"),
     (r"\b(omit (?:it|them|the walls?)): chain\.replace\([^)]*\)", r"\1"),
+    (r"\bomit the wall (?=behind a free body)", "omit the wall (--wall none) "),
     (r"\bloss=None\b", "no loss"),
     (r"\buse Wall\.rigid\(\)", "use --wall rigid, or rigid = true in the chain file"),
     (r"(?<!\.)\bpiecewise_local_rate (?=for steps)", "the method piecewise-local-rate "),

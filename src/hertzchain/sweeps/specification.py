@@ -358,8 +358,8 @@ class _Reader:
             if path[1] not in METHOD_KEYS:
                 self._add(where, unknown_name_error("option", path[1], METHOD_KEYS))
         elif path[0] not in KEYS:
-            known = (*KEYS, *(f"method.{name}" for name in METHOD_KEYS))
-            self._add(where, unknown_name_error("parameter", ".".join(path), known))
+            dotted = "struck_by.mass", "struck_by.velocity", *(f"method.{k}" for k in METHOD_KEYS)
+            self._add(where, unknown_name_error("parameter", ".".join(path), [*KEYS, *dotted]))
             return None
         elif path[0] == "with_scatter" and path[-1] != "radii" and self._has_scattered_radii():
             self._add(where, "has no effect, because with_scatter has the radii of the beads: give "

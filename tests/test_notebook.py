@@ -199,6 +199,8 @@ def test_single_waves_reflections_peaks_and_horizons_have_their_numbers(units):
     rows = found.to_dataframe()
     assert rows["part"].tolist() == ["incident", "reflected"]
     np.testing.assert_allclose(rows["energy"][1] / rows["energy"][0], found.reflected_energy)
+    slow = replace(found, momentum_on_its_way=(0.03, 0.0))
+    assert f"{found.reflected_momentum:.4f} (up to 0.0300 more)" in parsed(slow)[1]
     coarse = replace(wave, events=tuple(replace(each, samples=3.0) for each in wave.events))
     assert "not resolved, with 3 saved times" in parsed(coarse)[1]
 

@@ -243,11 +243,11 @@ class Reflection(Compared):
         )
 
     def _momentum_in_words(self, part: str) -> str:
-        """Such as ``momentum 0.7641 (not complete)`` or ``momentum 1.6309 (up to 0.0911 more)``."""
+        """Such as ``0.7641 (not complete)`` or ``1.6309 (up to 0.0911 more)``."""
         more = self._coming(part, SHOWN_SLOW, LEAST_SHOWN)
         state = f" (up to {more:.4f} more)" if more else ""
         state = " (not complete)" if self._coming(part) else state
-        return f"momentum {self._momenta[part]:.4f}{state}"
+        return f"{self._momenta[part]:.4f}{state}"
 
     @property
     def _nearby(self) -> str:
@@ -317,10 +317,12 @@ class Reflection(Compared):
             f"contacts {self.before} to {self.after}, until t = {end}, {ended}",
             f"energy kept {self.kept_energy:z.4f}{self._separated}{self._unexplained}",
             f"reflected energy {self.reflected_energy:.4f}{self._nearby}, "
-            f"{self._momentum_in_words('reflected')}, {counted(len(self.reflected), 'wave')}"
+            f"momentum {self._momentum_in_words('reflected')}, "
+            f"{counted(len(self.reflected), 'wave')}"
             f"{'; the waves overlap' if self.overlapping else ''}",
             f"transmitted energy {self.transmitted_energy:.4f}, "
-            f"{self._momentum_in_words('transmitted')}, {counted(len(self.transmitted), 'wave')}",
+            f"momentum {self._momentum_in_words('transmitted')}, "
+            f"{counted(len(self.transmitted), 'wave')}",
             f"momentum kept {self.kept_momentum:z.4f}",
         ]
 

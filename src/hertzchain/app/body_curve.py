@@ -54,4 +54,9 @@ def _motion(chain: Chain, found: BodyForce) -> list[tuple[str, float, str]]:
     numbers = [(ACCELERATION, found.acceleration, "m/s²")]
     if chain.units == "SI":
         numbers.append((IN_G0, found.acceleration / STANDARD_GRAVITY, "g0"))
-    return [*numbers, (f"duration above {ABOVE:.0%} of it", found.duration, "s")]
+    return [*numbers, (f"duration above {ABOVE:.0%} of it", *duration_shown(chain, found.duration))]
+
+
+def duration_shown(chain: Chain, duration: float) -> tuple[float, str]:
+    """Duration of an impact in one unit for all chains that are compared."""
+    return (1e6 * duration, "µs") if chain.units == "SI" else (duration, "s")

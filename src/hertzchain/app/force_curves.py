@@ -21,7 +21,7 @@ from ..simulation.run import Run
 from ..simulation.sensor_force import FREE_FACE, SHOWN
 from ..simulation.simulate import simulate
 from ..simulation.time_scales import UNBALANCED
-from .body_curve import BODY, body_peaks
+from .body_curve import BODY, body_peaks, duration_shown
 from .yield_notes import known_peak, peaks_if_yielding
 
 # Intervals in the shortest contact, and the smallest number that needs no warning.  A light bead
@@ -260,9 +260,10 @@ def _wall_peaks(
         shown += (with_yield := peaks_if_yielding(run, progress))
         yielding = known_peak(run, with_yield, first)
     above = " above the static force" if wall.static_force else ""
+    lasts = f"duration (impulse / peak{', both' + above if above else ''})"
     impact = [
         ("impulse of the impact" + above, wall.excess_impulse, "N s"),
-        (f"duration (impulse / peak{', both' + above if above else ''})", wall.duration, "s"),
+        (lasts, *duration_shown(run.chain, wall.duration)),
     ]
     # In a draft, the impact need not have ended, but the text on the page keeps its length.
     if progress is not None and not (known and wall.complete_since is not None):

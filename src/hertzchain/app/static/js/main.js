@@ -8,7 +8,7 @@ import { SLOTS, about, acceptAddress, own, results, state } from "./page.js";
 import { handleRecords } from "./record.js";
 import { answers, eachAnswer, noteShown, request } from "./requests.js";
 import { fillDialogs } from "./share.js";
-import { activate, compare, draw, open, openAs, redo, redraw, repaint, resize, select, showAll, showPart, stages, toggleSensor, undo, view } from "./show.js";
+import { activate, compare, draw, grow, open, openAs, redo, redraw, repaint, select, showAll, showPart, stages, toggleSensor, undo, view } from "./show.js";
 import { SELECTS, fromLink } from "./state.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
@@ -34,7 +34,6 @@ function arrange() {
 }
 
 const toggle = () => play(!clock.playing);
-const beads = () => own().beads.header?.beads ?? 1;
 
 function listen() {
   for (const name of Object.keys(about.quantities)) {
@@ -48,7 +47,7 @@ function listen() {
   }
   $("speed").onchange = () => view({ speed: Number($("speed").value) });
   $("log").onchange = () => view({ log: $("log").checked });
-  $("bead").onchange = () => select(Math.max(1, Math.min(beads(), Math.round(Number($("bead").value)) || 1)));
+  $("bead").onchange = () => select(Math.round(Number($("bead").value)) || 1);
   $("until").onchange = () => {
     // Times that cannot be used are not shown any longer, as the run ends by itself.
     if (!(Number($("until").value) > 0)) $("until").value = "";
@@ -99,16 +98,15 @@ function keys(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || typing || (target.matches("select") && event.key !== "?")) return;
   const onStage = target.matches(".lane");
   if (onStage && /^(Arrow|Home|End)/.test(event.key)) activate(/** @type {any} */ (target.id.slice(-1)));
-  const { bead, camera } = state.view, move = (/** @type {number} */ by) => goTo(part() + by), grow = (/** @type {number} */ factor) => resize(bead, own().beads.arrays.get("radii")[bead - 1] * factor, false);
+  const { bead, camera } = state.view, move = (/** @type {number} */ by) => goTo(part() + by);
   /** @type {Record<string, () => void>} */
   const actions = {
     " ": toggle, ",": () => move(-1 / 320), ".": () => move(1 / 320), s: toggleSensor,
     f: () => view({ camera: camera === "follow" ? "whole" : "follow" }), "?": () => $("help").showModal(),
     ...(onStage ? {
-      ArrowLeft: () => select(Math.max(1, bead - 1)), ArrowRight: () => select(Math.min(beads(), bead + 1)),
-      Home: () => select(1), End: () => select(beads()),
-      ArrowUp: () => grow(1.05),
-      ArrowDown: () => grow(1 / 1.05),
+      ArrowLeft: () => select(bead - 1), ArrowRight: () => select(bead + 1),
+      Home: () => select(1), End: () => select(Infinity),
+      ArrowUp: () => grow(1.05), ArrowDown: () => grow(1 / 1.05),
     } : {}),
   };
   if (event.key === " " && target.matches("button, summary, input")) return;

@@ -6,18 +6,16 @@ const VERSION = 1;
 /** @type {Record<string, any>} */
 const KINDS = { f8: Float64Array, f4: Float32Array, i2: Int16Array };
 
-/** The arrays are views of the buffer. @param {ArrayBuffer} buffer @param {number} [start]
- * @returns {Part} */
-export function unpack(buffer, start = 0) {
-  const view = new DataView(buffer, start);
-  const length = view.getUint32(0, true);
+/** The arrays are views of the buffer. @param {ArrayBuffer} buffer @returns {Part} */
+export function unpack(buffer) {
+  const view = new DataView(buffer), length = view.getUint32(0, true);
   if (view.getUint32(4, true) !== VERSION) throw new Error("The page and the server have different versions; reload the page.");
-  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, start + 8, length)));
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)));
   /** @type {Map<string, any>} */
   const arrays = new Map();
   for (const [name, kind, shape, offset] of header.arrays) {
     const count = shape.reduce((/** @type {number} */ a, /** @type {number} */ b) => a * b, 1);
-    arrays.set(name, new KINDS[kind](buffer, start + 8 + length + offset, count));
+    arrays.set(name, new KINDS[kind](buffer, 8 + length + offset, count));
   }
   return { header, arrays };
 }

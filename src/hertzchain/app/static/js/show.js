@@ -7,13 +7,13 @@ import { Controls } from "./controls.js";
 import { $, make } from "./fields.js";
 import { fixed } from "./host.js";
 import { SpaceTime } from "./map.js";
-import { gapOf, inMillimetres, plain, prefixed, short, timeAt } from "./numbers.js";
+import { gapOf, inMillimetres, metres, plain, prefixed, short, timeAt } from "./numbers.js";
 import { SLOTS, about, history, keepAddress, other, own, results, say, state } from "./page.js";
 import { showRecord } from "./record.js";
 import { forget, request } from "./requests.js";
 import { Results } from "./results.js";
 import { Stage, around } from "./stage.js";
-import { SELECTS, changed, copy, withRadius } from "./state.js";
+import { SELECTS, changed, copy, listed, withRadius } from "./state.js";
 import { Views, showClock, whyBlank } from "./views.js";
 
 /** @typedef {import("./state.js").Slot} Slot */
@@ -23,7 +23,7 @@ const dirty = { pulse: true, times: true, map: true, table: true };
 
 const controls = new Controls($("controls-body"), about, change, () => own().accepted);
 const views = new Views(about, {
-  bead: (bead) => select(Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead))),
+  bead: select,
   time: goToTime,
   range: (range) => view({ range }),
   hide: (name) => view({ hidden: state.view.hidden.includes(name) ? state.view.hidden.filter((each) => each !== name) : [...state.view.hidden, name] }),
@@ -117,6 +117,7 @@ export function activate(slot) {
 
 /** @param {number} bead */
 export function select(bead) {
+  bead = Math.max(1, Math.min(own().beads.header?.beads ?? 1, bead));
   if (bead === state.view.bead) return;
   state.view.bead = bead;
   showView();
@@ -230,8 +231,10 @@ function showTitles() {
   // First those of the chain with the controls; dents change all its forces.
   const list = [...new Set([state.active, ...given].flatMap((slot) => results[slot].warnings.sort((one, two) => Number(dents(two)) - Number(dents(one)))))].map((text) => (state.B ? `${given.filter((slot) => results[slot].warnings.includes(text)).join(" and ")}: ` : "") + upper(text));
   $("chain-file").textContent = own().beads.header?.chain_file ?? "";
-  if (beads) $("bead").max = String(beads);
-  if (beads < state.view.bead) select(beads);
+  if (beads) {
+    $("bead").max = String(beads);
+    select(state.view.bead);
+  }
   $("warnings").hidden = !list.length;
   $("warnings-count").textContent = list.length > 1 ? `${list.length} warnings: ${list[0]}` : list.join();
   $("warnings-list").replaceChildren(...list.slice(1).map((text) => make("li", {}, text)));
@@ -278,10 +281,12 @@ export function toggleSensor() {
   request(SLOTS, false);
 }
 
+const chosen = () => /** @type {any} */ (state[state.active]);
+
 /** @param {number} bead @param {number} radius NaN at the end of a drag @param {boolean} moving */
 export function resize(bead, radius, moving) {
   if (fixed) return;
-  const document = /** @type {any} */ (state[state.active]), si = own().si;
+  const document = chosen(), si = own().si;
   if (!Number.isFinite(radius)) {
     history.open = false;
     request([state.active], false);
@@ -292,18 +297,23 @@ export function resize(bead, radius, moving) {
   change(withRadius(document, bead, si ? inMillimetres(radius) : +radius.toPrecision(3)), moving);
 }
 
+/** A pending radius grows, too. @param {number} factor */
+export function grow(factor) {
+  const { bead } = state.view, radius = listed(chosen().chain.with_defects).find((each) => each.bead === ball())?.radius;
+  resize(bead, metres(radius, own().beads.arrays.get("radii")[bead - 1]) * factor, false);
+}
+
 /** @param {number} gap @param {boolean} moving */
 function moveWall(gap, moving) {
-  const document = /** @type {any} */ (state[state.active]);
   if (!own().si) return say("Gaps of a scaled chain are too small to be seen; use the control of the wall.", true);
-  change(changed(document, ["chain", "right_wall", "gap"], inMillimetres(gap)), moving);
+  change(changed(chosen(), ["chain", "right_wall", "gap"], inMillimetres(gap)), moving);
 }
 
 export function compare() {
   history.note(snapshot(), false);
   if (state.B) Object.assign(state, { A: state[state.active], B: null, active: "A" });
   else Object.assign(state, { B: copy(state.A), active: "B" });
-  view({ errors: state.B ? "difference" : "theories" });
+  state.view.errors = state.B ? "difference" : "theories";
   showAll();
   request(SLOTS, false);
 }

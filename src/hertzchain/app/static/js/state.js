@@ -56,13 +56,11 @@ export const strikersBefore = (document) => listed(document.chain?.struck_by).re
  * @param {Document} document @param {number} bead number on the stage, from 1
  * @param {number | string} radius */
 export function withRadius(document, bead, radius) {
-  const own = bead - strikersBefore(document);
-  const defects = listed(document.chain.with_defects).filter((each) => each.bead !== own);
-  const before = listed(document.chain.with_defects).find((each) => each.bead === own);
-  const kept = { ...before, bead: own, radius };
+  const own = bead - strikersBefore(document), defects = listed(document.chain.with_defects);
+  const kept = { ...defects.find((each) => each.bead === own), bead: own, radius };
   // A radius replaces a diameter.
   delete kept.diameter;
-  return changed(document, ["chain", "with_defects"], [...defects, kept]);
+  return changed(document, ["chain", "with_defects"], [...defects.filter((each) => each.bead !== own), kept]);
 }
 
 /** Undo and redo of documents; changes of one drag are one step. */

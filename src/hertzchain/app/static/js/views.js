@@ -232,8 +232,8 @@ export class Views {
         return `${text} at ${full(time * axis.factor)} ${axis.unit}`.trim();
       });
       for (const [what, value, unit] of each.impact ?? []) {
-        const [factor, shown] = own.si ? prefixed(other && unit === "s" ? own.run.arrays.get("times").at(-1) : value, unit) : [1, ""];
-        notes.push(value === null ? `${what} …` : `${what} ${full(value * factor)} ${shown}`.trim());
+        const [factor, shown] = own.si ? prefixed(value, unit) : [1, ""];
+        notes.push(`${what} ${value === null ? "…" : `${full(value * factor)} ${shown}`}`.trim());
       }
       if (each.remark) notes.push(each.remark);
       return { name: each.name + faint, label, x: times(x, axis.factor), y: scaled(y), note: `${label}: ${notes.join("; ")}` };

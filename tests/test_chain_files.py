@@ -783,6 +783,21 @@ def test_materials_of_a_file_repeat_in_turn(beads):
     assert names == [STEEL, "glass", "glass"] * 2 + [STEEL]
 
 
+def test_the_diameter_of_a_taper_is_that_of_its_first_bead():
+    text = "[chain]\ntaper = 'forward-exponential'\nrate = 0.05\nbeads = 6\nmaterials = 'brass'\n"
+    chain = hc.Chain.tapered(
+        "forward-exponential", 0.05, first_diameter="10 mm", beads=6, materials="brass"
+    )
+    assert hc.chain_from_toml(f"{text}diameter = '10 mm'") == chain
+    with pytest.raises(hc.InputError, match="has first_diameter and diameter, which are the same"):
+        hc.chain_from_toml(f"{text}diameter = '10 mm'\nfirst_diameter = '10 mm'")
+    equal = text.replace("forward-exponential", "uniform").replace("rate = 0.05\n", "")
+    with pytest.raises(hc.InputError, match="'uniform' and also diameter: omit taper"):
+        hc.chain_from_toml(f"{equal}diameter = '10 mm'")
+    with pytest.raises(hc.InputError, match="no argument 'diameter'; use first_diameter="):
+        hc.Chain.tapered("forward-exponential", 0.05, diameter="10 mm", beads=6, material="brass")
+
+
 def test_materials_that_do_not_repeat_once_have_a_warning():
     text = f"{ROW}".replace('"brass"', '["brass", "glass", "ptfe"]')
     with pytest.warns(hc.InputWarning, match="3 materials for 4 beads, .* bead 4 is of brass"):

@@ -381,10 +381,15 @@ def with_usual_names(document: Mapping[str, Any]) -> Mapping[str, Any]:
     table = document.get("chain")
     if not isinstance(table, Mapping):
         return document
-    for other, name in FIELD_ALIASES.items():
+    if table.get("taper") == "uniform" and "diameter" in table:
+        raise InputError("[chain] has taper = 'uniform' and also diameter: omit taper")
+    # The diameter of a taper with a rate is that of its first bead, as on the command line.
+    of_taper = {"diameter": "first_diameter"} if "taper" in table else {}
+    aliases: Mapping[str, str] = {**FIELD_ALIASES, **of_taper}
+    for other, name in aliases.items():
         if {other, name} <= table.keys():
             raise InputError(f"[chain] has {name} and {other}, which are the same: omit one")
-    names = (FIELD_ALIASES.get(name, name) for name in table)
+    names = (aliases.get(name, name) for name in table)
     chain = with_tables(dict(zip(names, table.values(), strict=True)))
     if "struck_by" in chain:
         chain["struck_by"] = with_flat_radius(chain["struck_by"])

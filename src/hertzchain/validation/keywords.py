@@ -41,6 +41,10 @@ ELSEWHERE: Final[Mapping[tuple[str, str], str]] = MappingProxyType(
         ("Scatter", "scatter"): "radius=0.01",
         ("Scatter", "diameter"): "radius=0.01, which is also the scatter of the diameter",
         ("struck_by", "flat"): 'radius="flat"',
+        ("Chain.tapered", "diameter"): 'first_diameter="10 mm"',
+        ("Chain.tapered", "diameters"): "first_diameter and last_diameter",
+        ("Chain.tapered", "radius"): 'first="5 mm"',
+        ("Chain.tapered", "radii"): "first and last",
         ("with_scatter", "scatter"): "relative=0.01",
         ("with_scatter", "radius"): "relative=0.01",
         ("disorder", "relative"): "scatter=0.01",
@@ -80,10 +84,13 @@ def checked_arguments(
     others = tuple(more)
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
+        known = _arguments(function, others)
+        names = {other: name for other, name in aliases.items() if name in known}
+
         @functools.wraps(function)
         def checked(*given: P.args, **keywords: P.kwargs) -> R:
-            if not aliases.keys().isdisjoint(keywords):
-                _rename(keywords, aliases)
+            if not names.keys().isdisjoint(keywords):
+                _rename(keywords, names)
             if others:
                 check_keywords(label, keywords, _arguments(function, others))
             try:

@@ -169,7 +169,8 @@ def test_the_limits_of_hertz_are_checked_where_the_user_called(tmp_path):
         assert {warning.filename for warning in caught} == {__file__}
         assert "pressure / yield" in str(caught[0].message)
     with pytest.warns(
-        ModelRangeWarning, match="^propagation: 2 of 2 chains .* chain 0, "
+        ModelRangeWarning,
+        match="^propagation: 2 of 2 chains .* chain 0, .* use simulate with loss=Elas",
     ) as caught:
         hc.propagate_many([fast, fast])
     assert [warning.filename for warning in caught] == [__file__]

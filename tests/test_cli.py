@@ -588,6 +588,7 @@ def test_a_chain_in_si_units_is_shown_in_si_units(run, tmp_path):
     _, out, err = run("pulse", tmp_path / "balls.csv")
     # Balls of hardened steel yield at 0.4 m/s.
     assert err.startswith("Warning: propagation: pressure / yield is 1.4 at contact 1")
+    assert "m/s or use --method simulate --loss elastic-plastic" in err
     assert "[m/s]" in out
     assert "[N]" in out
 

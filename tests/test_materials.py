@@ -218,7 +218,7 @@ def test_leaving_hertz_is_complained_of_once_each():
     # Yield comes first.
     for line, violation in zip((pressure, overlap, speed), violations, strict=True):
         assert violation.startswith(f"{line.split('  ')[0]} is ")
-        assert len(violation.split()) < 30
+        assert len(violation.split()) < 32
     gentle = Chain.from_materials(5e-3, "aluminium", beads=5, velocity=1e-4)
     assert hc.hertz_range(gentle).violations == ()
 
@@ -533,6 +533,36 @@ def test_a_velocity_that_is_far_away_is_no_advice():
         (first, *_) = hc.hertz_range(chain).violations
         assert said in first
         assert ("reduce" in first) == (speed < 1.0)
+
+
+@pytest.mark.parametrize("run", [hc.propagate, hc.bca, hc.simulate])
+@pytest.mark.parametrize(("material", "speed"), [("steel-52100", 1.0), ("aluminium", 200.0)])
+def test_no_limit_is_exceeded_at_the_advised_velocity(run, material, speed):
+    """All limits are named at the first velocity, and one velocity meets all of them."""
+    row = hc.Chain.tapered("forward-exponential", 0.05, first_diameter="10 mm", beads=60,
+                           material=material, velocity=speed)  # fmt: skip
+    with pytest.warns(hc.ModelRangeWarning) as caught:
+        run(row)
+    first, *others = (str(each.message) for each in caught)
+    if speed == 1.0 and run is not hc.bca:
+        simulate = "" if run is hc.simulate else "simulate with "
+        assert first.endswith(f"; use {simulate}loss=ElasticPlastic()")
+    (advised,) = {re.search(r"to about (\S+) m/s", each)[1] for each in others}
+    assert any(each.endswith(" m/s to meet all limits") for each in others)
+    slow, fast = (row.replace(velocities=row.velocities * float(advised) / speed * factor)
+                  for factor in (1.0, 1.2))  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", hc.ModelRangeWarning)
+        run(slow)
+    with pytest.warns(hc.ModelRangeWarning):
+        run(fast)
+
+
+def test_no_velocity_is_advised_for_losses_that_depend_on_it():
+    lossy = hc.Chain.from_materials(5e-3, "ptfe", beads=9, loss=hc.Viscoelastic(1e-4))
+    for loss, known in ((lossy.loss, False), (hc.Restitution(0.8), True)):
+        found = hc.hertz_range(lossy.replace(loss=loss), [1e-4] * 8)
+        assert ("to about" in found.violations[-1]) == known
 
 
 def test_a_law_with_yield_is_no_advice_beyond_its_range():

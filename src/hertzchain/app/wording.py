@@ -14,6 +14,8 @@ from ..plotting.methods import name_of
 
 # Python expressions in messages, and the choice on the page instead.
 WORDINGS: Final = (
+    # The loss of the page is that of its simulations.
+    (r"\buse simulate with loss=", "use loss="),
     # The page has no losses of walls.
     (r" or use loss=ElasticPlastic\(.*\) and loss=Elastic\(\) for.*", ""),
     (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)", r"choose \1 as the factor of the loss"),

@@ -127,7 +127,8 @@ class HertzRange:
         Names of the losses that a law with yield would replace.
     speed : float
         Velocity of the impact [m/s], if all overlaps are about proportional to its power 4/5, as in
-        rows of elastic balls without gaps, drives and static forces; otherwise 0.
+        rows of balls without gaps, drives, static forces and losses with a scale of time or speed;
+        otherwise 0.
     estimated : bool
         Whether the ratios follow from separate collisions before a run.  Pressures of a simulation
         differ by up to about 10% in smooth chains, and by much more in others.
@@ -225,6 +226,7 @@ class HertzRange:
             found.append(
                 f"speed / sound is {self.speed_ratio:.2g} (limit of Hertz's law: "
                 f"{MAX_SPEED_RATIO:g}); reduce the velocity"
+                f"{self._slower(MAX_SPEED_RATIO / self.speed_ratio)}"
             )
         return tuple(found)
 
@@ -276,11 +278,20 @@ class HertzRange:
         return f", which replaces the loss{several} of the chain ({names})" * bool(names)
 
     def _slower(self, factor: float) -> str:
-        """Velocity of the impact to which to reduce it, if it is known; rounded down."""
-        if not (speed := factor * self.speed):
+        """Velocity of the impact at which all limits hold, if it is known; rounded down.
+
+        ``factor`` is that of one limit.
+        """
+        # Pressures are proportional to the velocity to the power 2/5, overlaps to its power 4/5.
+        yields = np.nan_to_num(self.yield_ratio).max()
+        overlap = np.nan_to_num(self.overlap_ratio / self.overlap_limit).max()
+        closing = self.speed_ratio / MAX_SPEED_RATIO
+        least = 1.0 / max(yields**2.5, overlap**1.25, closing, 1.0)
+        if not (speed := least * self.speed):
             return ""
         step = 10.0 ** (math.floor(math.log10(speed)) - 1)
-        return f" to about {math.floor(speed / step) * step:.2g} m/s"
+        others = " to meet all limits" if least < 0.95 * factor else ""
+        return f" to about {math.floor(speed / step) * step:.2g} m/s{others}"
 
     def _basis(self, contact: int) -> str:
         """Basis of the ratios of a contact whose stiffness is not that of its materials."""

@@ -14,7 +14,11 @@ from ..errors import InputError
 from ..validation.numbers import per_bead_array, real_numbers
 from .chain import Chain
 from .contact_groups import effective_radii, yield_strengths
+from .laws.elastic import Elastic
 from .laws.elastic_plastic import ElasticPlastic
+from .laws.restitution import Restitution
+from .laws.unloading_ratio import UnloadingRatio
+from .laws.walton_braun import WaltonBraun
 from .materials import FIRST_YIELD, Material, contact_moduli
 from .walls import materials_with_walls
 
@@ -30,6 +34,8 @@ OUTSIDE_LAW: Final = "outside the range of the law"
 OTHER_STIFFNESS: Final = 2.0
 # Young's modulus [Pa] below which a material is a polymer; glass and metals are stiffer.
 POLYMER: Final = 1e10
+# Laws whose numbers have no unit: a contact loses the same part of its energy at any speed.
+SCALE_FREE: Final = (Elastic, Restitution, UnloadingRatio, WaltonBraun)
 
 
 def exceeds_limits(chain: Chain, overlaps: Array) -> bool:
@@ -189,10 +195,22 @@ def causes_of(chain: Chain) -> tuple[str, str]:
     return " or ".join(motion), load if chain.static_state.forces.any() else ""
 
 
+def scale_free_loss(chain: Chain) -> bool:
+    """Whether all contacts lose a fraction of the energy that does not depend on the speed.
+
+    The forces of these laws are then proportional to that of Hertz in scaled motions.
+    """
+    return not chain.lossless and all(
+        type(law) in SCALE_FREE
+        for group in chain.contact_groups for law in group.law.resolved(group.contacts)
+    )  # fmt: skip
+
+
 def impact_speed(chain: Chain) -> float:
     """Velocity of the impact if overlaps are proportional to a power of it, otherwise 0."""
     other = chain.drive is not None or chain.static_state.forces.any() or chain.gravity != 0.0
-    plastic = any(law.yields for law in chain.contact_losses)
-    if other or plastic or chain.gaps.any() or springs_of(chain).any():
+    if not (chain.lossless or scale_free_loss(chain)):
+        return 0.0
+    if other or chain.gaps.any() or springs_of(chain).any():
         return 0.0
     return float(np.abs(chain.velocities).max())

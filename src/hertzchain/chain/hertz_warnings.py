@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Final
 
 from numpy.typing import ArrayLike
 
 from ..errors import ModelRangeWarning, warn_user
 from .chain import Chain
-from .hertz_range import hertz_range
+from .hertz_range import HertzRange, hertz_range
+
+# Methods of which a chain can have the loss `ElasticPlastic`; "" are functions without a label.
+WITH_YIELD: Final = ("", "simulation", "gradient")
 
 
 def warn_outside_hertz(
@@ -34,9 +38,16 @@ def warn_outside_hertz(
     >>> warn_outside_hertz(hc.Chain.uniform(3), [0.1, 0.1])
     """
     if chain.units == "SI" and chain.materials is not None:
-        for violation in hertz_range(chain, overlaps).violations:
+        for violation in violations_of(method, hertz_range(chain, overlaps)):
             more = f"; {later}" * bool(later and "/ sound" not in violation)
             warn_user(f"{method}{': ' * bool(method)}{violation}{more}", ModelRangeWarning)
+
+
+def violations_of(method: str, found: HertzRange) -> tuple[str, ...]:
+    """Violations, with advice to simulate contacts that yield if the method cannot."""
+    if method in WITH_YIELD:
+        return found.violations
+    return tuple(each.replace("use loss=", "use simulate with loss=") for each in found.violations)
 
 
 def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:

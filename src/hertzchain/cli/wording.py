@@ -17,6 +17,11 @@ TYPED: Final = "hertzchain.typed_options"
 # Python expressions in messages, and what to write on the command line or in a chain file instead.
 WORDINGS: Final = (
     (r"\bwith_cap\('([^']*)'\)", r"cap = '\1' in [chain]"),
+    (r"\buse simulate with loss=ElasticPlastic\(\)",
+     "use hertzchain simulate --loss elastic-plastic"),
+    (r"\buse simulate with loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
+     "use hertzchain simulate with loss = {law = 'elastic-plastic', yield_overlap = ...} in the "
+     "chain file"),
     (r"\buse loss=ElasticPlastic\(\)", "use loss = {law = 'elastic-plastic'} in the chain file"),
     (r"\buse loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
      "use loss = {law = 'elastic-plastic', yield_overlap = ...} in the chain file"),
@@ -99,6 +104,15 @@ BY_OPTION: Final = {
         (r"\bgive until\b.*", "use hertzchain simulate --until"),
         (r"\buse simulate, or bca\(.*restitution=e\)", "use --method simulate"),
         (r"\buse propagate or simulate\b", "use --method propagate or --method simulate"),
+        (
+            r"\buse simulate with loss=ElasticPlastic\(\)",
+            "use --method simulate --loss elastic-plastic",
+        ),
+        (
+            r"\buse simulate with loss=ElasticPlastic\(yield_overlap=\.\.\.\)",
+            "use --method simulate with loss = {law = 'elastic-plastic', yield_overlap = ...} in "
+            "the chain file",
+        ),
         (r"\buse simulate\b", "use --method simulate"),
         (r"\buse propagate\b", "use --method propagate"),
         (r"\buse bca or theory\.two_thirds_bca", "use --method bca or --method two-thirds-bca"),

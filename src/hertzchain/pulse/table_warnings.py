@@ -8,6 +8,7 @@ import numpy as np
 
 from ..chain.hertz_range import hertz_range
 from ..chain.hertz_ratios import exceeds_limits
+from ..chain.hertz_warnings import violations_of
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
 from .pulse_table import PulseTable
 
@@ -46,6 +47,5 @@ def warn_outside_hertz_once(table: PulseTable) -> None:
         chain = table.chains[exceeded[0]]
         assert chain is not None
         overlaps = table.peak_overlap[exceeded[0], : chain.beads - 1]
-        warn_exceeded(
-            "propagation", len(table), exceeded, hertz_range(chain, overlaps).violations[0]
-        )
+        found = violations_of("propagation", hertz_range(chain, overlaps))
+        warn_exceeded("propagation", len(table), exceeded, found[0])

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..chain.bead_names import bead_number
 from ..chain.chain import Chain
+from ..chain.hertz_ratios import scale_free_loss
 from ..chain.laws.restitution import Restitution
 from ..chain.modifications import with_one_loss
 from ..errors import InputError, SimulationError
@@ -19,7 +20,7 @@ from ..recorded_warnings import ignore_warnings
 from ..representation import listed
 from .row import at_place, names, place_in_words
 from .sheet import WALL, LabSheet, lab_sheet
-from .similarity import EXPONENT_OF_FORCES, other_scales, scale_free_loss
+from .similarity import EXPONENT_OF_FORCES, other_scales
 
 # Differences of exponents that are shown with three decimals.
 SEEN: Final = 5e-4

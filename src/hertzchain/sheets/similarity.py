@@ -10,16 +10,9 @@ times to :math:`v^{-1/5}`.  This includes losses with constant coefficients of r
 from __future__ import annotations
 
 from ..chain.chain import Chain
-from ..chain.hertz_ratios import linear_springs, springs_of
-from ..chain.laws.elastic import Elastic
-from ..chain.laws.restitution import Restitution
-from ..chain.laws.unloading_ratio import UnloadingRatio
-from ..chain.laws.walton_braun import WaltonBraun
+from ..chain.hertz_ratios import linear_springs, scale_free_loss, springs_of
 
 EXPONENT_OF_FORCES, EXPONENT_OF_TIMES = 6.0 / 5.0, -1.0 / 5.0
-
-# Laws whose numbers have no unit: a contact loses the same part of its energy at any speed.
-SCALE_FREE = (Elastic, Restitution, UnloadingRatio, WaltonBraun)
 
 
 def other_scales(chain: Chain) -> list[str]:
@@ -39,14 +32,3 @@ def other_scales(chain: Chain) -> list[str]:
     if not chain.lossless and not scale_free_loss(chain):
         found.append("contacts lose energy by a law with a scale of time or speed")
     return found
-
-
-def scale_free_loss(chain: Chain) -> bool:
-    """Whether all contacts lose a fraction of the energy that does not depend on the speed.
-
-    The forces of these laws are then proportional to that of Hertz in scaled motions.
-    """
-    return not chain.lossless and all(
-        type(law) in SCALE_FREE
-        for group in chain.contact_groups for law in group.law.resolved(group.contacts)
-    )  # fmt: skip

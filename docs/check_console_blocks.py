@@ -80,7 +80,7 @@ def failures(page: Path) -> Iterator[str]:
             # On a slow machine there are lines about progress and the compiler, which are not shown
             # on the page.
             progress = (
-                r"^([\w ]+: \d+( of \d+(, .* left)?| in total)?|hertzchain: compiling once.*"
+                r"^([\w ,;]+: \d+( of \d+(, .* left)?| in total)?|hertzchain: compiling once.*"
                 r"|computing a few points to estimate the time|looking for the cause:.*)\n"
             )
             got = out + re.sub(progress, "", err, flags=re.M)

@@ -1164,13 +1164,13 @@ def test_pulses_added_to_axes_continue_colours_and_share_the_free_end():
     assert len({named[name].get_marker() for name in ("equal", "taper", "theory")}) == 3
 
 
-@pytest.mark.long
 def test_lines_of_titles_end_neither_with_a_colon_nor_with_a_semicolon():
     text = "d2: contacts yield at 1.6 Y (Y: yield strength); row: elastic contacts"
     assert broken_title(text, 60) == text.replace("; ", "\n")
     assert broken_title(f"{text}\npeaks", 80) == f"{text}\npeaks"
 
 
+@pytest.mark.long
 def test_titles_of_one_chain_only_and_those_of_the_user():
     runs = [hc.simulate(hc.Chain.uniform(n).replace(right_wall=hc.Wall())) for n in (6, 8)]
     axes = runs[0].plot_forces(["wall"])

@@ -174,7 +174,8 @@ def _labels(lines: Sequence[ForceLine]) -> tuple[dict[ForceLine, str], str]:
         for line in own
     }
     if apart:
-        return labels, ", ".join(shared)
+        # Curves of one chain have its own title.
+        return labels, ", ".join(shared) if any(of_run.values()) else ""
     (place,) = places
     joined = "on the" if place.endswith("wall") else "in"
     parts = [f"force {joined} {place}", *(part for part in shared if part != place)]

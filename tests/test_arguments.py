@@ -92,6 +92,7 @@ STEEL = "steel-52100"
     (lambda: hc.Chain.uniform(5).with_scatter(1, sigma=0.1), "with_scatter has no argument"),
     (lambda: hc.attenuation(hc.Chain.uniform(5)), "attenuation: missing the argument 'velocity'"),
     (lambda: hc.hertz_range(hc.propagate(hc.Chain.uniform(5))), "use hertz_range.result.chain."),
+    (lambda: hc.bca(hc.propagate(hc.Chain.uniform(5))), "; pass result.chain instead$"),
     (lambda: hc.ElasticPlastic().restitution(1.0, reduced_mass=1e-3, stiffness=1e9),
      "use ElasticPlastic\\(yield_overlap=...\\).restitution"),
     (lambda: chain_from({"chain": {"taper": "uniform", "beads": 5, "diametres": 1,

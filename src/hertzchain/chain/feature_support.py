@@ -36,7 +36,9 @@ def require_chain(method: str, chain: object, *, beads: int = 2) -> None:
         use = "run.chain, run.largest_overlaps" if overlaps else "result.chain"
         raise InputError(
             f"{method} requires a Chain, got a {type(chain).__name__} of one "
-            f"({held.description}); use {method}({use})"
+            f"({held.description}); "
+            # Theories are named in words.
+            + (f"use {method}({use})" if method.isidentifier() else f"pass {use} instead")
         )
     # Objects that resemble a chain have advice of their own.
     advice = getattr(chain, "_instead_of_chain", "Chain.from_radii builds one from radii")

@@ -84,13 +84,11 @@ def checked_arguments(
     others = tuple(more)
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        known = _arguments(function, others)
-        names = {other: name for other, name in aliases.items() if name in known}
-
         @functools.wraps(function)
         def checked(*given: P.args, **keywords: P.kwargs) -> R:
-            if not names.keys().isdisjoint(keywords):
-                _rename(keywords, names)
+            if not aliases.keys().isdisjoint(keywords):
+                known = _arguments(function, others)
+                _rename(keywords, {each: name for each, name in aliases.items() if name in known})
             if others:
                 check_keywords(label, keywords, _arguments(function, others))
             try:

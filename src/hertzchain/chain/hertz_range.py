@@ -196,8 +196,8 @@ class HertzRange:
         """One sentence for each limit that is exceeded; yield comes first."""
         return self._violations()
 
-    def _violations(self, *, linear: bool = False) -> tuple[str, ...]:
-        """The same; ``linear`` motions cannot have a law with yield."""
+    def _violations(self, use: str = "use loss=") -> tuple[str, ...]:
+        """The same, with other words to use a law with yield; without advice on one if empty."""
         found = []
         at = self._most_loaded
         if (ratio := self.yield_ratio[at]) > 1.0:
@@ -209,7 +209,7 @@ class HertzRange:
             found.append(
                 f"pressure / yield is {ratio:.{digits}g} at {_place(at, self)}{self._yields(at)} "
                 f"(limit of Hertz's law: 1{cautious}){self._basis(at)}{besides}; "
-                f"{self._excess(ratio)}{self._against_yield(at, digits, linear=linear)}"
+                f"{self._excess(ratio)}{self._against_yield(at, digits, use)}"
             )
         at = self._most_squeezed
         if (ratio := self.overlap_ratio[at]) > (limit := self.overlap_limit[at]):
@@ -254,22 +254,22 @@ class HertzRange:
         lost = 1.0 - restitution_beyond_yield(ratio**-2.5)
         return f"the excess is small (yield alone would cost {100.0 * lost:.1g}% of the velocity); "
 
-    def _against_yield(self, contact: int, digits: int, *, linear: bool) -> str:
+    def _against_yield(self, contact: int, digits: int, use: str) -> str:
         """Advice to reduce the motion or use a law with yield; far beyond yield, only the law."""
         ratio, static = self.yield_ratio[contact], self.static_yield_ratio
-        law = "" if linear else self._law_with_yield(contact)
+        law = self._law_with_yield(contact, use) if use else ""
         if law and np.nan_to_num(self.overlap_ratio).max() > NO_PREDICTION:
             return f"{self._advice(ratio, static, 1.0, digits)}{OTHER_MATERIAL}"
         if law and self.speed and ratio**-2.5 * FAR_AWAY < 1.0:
             return law.removeprefix(" or ")
         return f"{self._advice(ratio, static, 1.0, digits)}{self._slower(ratio**-2.5)}{law}"
 
-    def _law_with_yield(self, contact: int) -> str:
+    def _law_with_yield(self, contact: int, use: str) -> str:
         """Advice to use a law with yield, if it applies to the chain and changes this contact."""
         if not self.may_yield[contact]:
             return ""
         argument = "yield_overlap=..." if self.given[contact] else ""
-        law = f" or {self._change}use loss=ElasticPlastic({argument})"
+        law = f" or {self._change}{use}ElasticPlastic({argument})"
         return f"{law}{self._replaced}"
 
     @property
@@ -290,7 +290,7 @@ class HertzRange:
         if not (speed := least * self.speed):
             return ""
         step = 10.0 ** (math.floor(math.log10(speed)) - 1)
-        others = " to meet all limits" if least < 0.95 * factor else ""
+        others = " (all limits)" if least < 0.95 * factor else ""
         return f" to about {math.floor(speed / step) * step:.2g} m/s{others}"
 
     def _basis(self, contact: int) -> str:

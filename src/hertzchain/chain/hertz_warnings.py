@@ -45,9 +45,9 @@ def warn_outside_hertz(
 
 def violations_of(method: str, found: HertzRange) -> tuple[str, ...]:
     """Violations, with advice to simulate contacts that yield if the method cannot."""
-    if method in WITH_YIELD:
-        return found.violations
-    return tuple(each.replace("use loss=", "use simulate with loss=") for each in found.violations)
+    return (
+        found.violations if method in WITH_YIELD else found._violations("use simulate with loss=")
+    )
 
 
 def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
@@ -62,5 +62,5 @@ def warn_outside_static(chain: Chain, *, linear: bool = False) -> None:
     """
     if chain.units == "SI" and chain.materials is not None and chain.static_state.forces.any():
         at_rest = replace(hertz_range(chain, chain.static_state.overlaps), speed_ratio=0.0)
-        for violation in at_rest._violations(linear=linear):
+        for violation in at_rest._violations("") if linear else at_rest.violations:
             warn_user(violation, ModelRangeWarning)

@@ -23,6 +23,7 @@ ASSUMED_PRESSURE: Final = (
 LOW: Final = f"at {FIRST_YIELD:g} Y"
 YIELD_ASSUMED: Final = f"contacts yield {LOW}"
 DEFINED: Final = "(Y: yield strength)"
+YIELD_STATED: Final = f"{YIELD_ASSUMED} {DEFINED}"
 OTHER_PRESSURE: Final = f"use loss=ElasticPlastic(factor={FULLY_PLASTIC:g})"
 # Beside values of many chains, which share the assumption.
 ASSUMED_FOR_ALL: Final = (

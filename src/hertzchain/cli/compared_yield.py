@@ -172,12 +172,12 @@ def figure_title(
     The latter is followed by the peaks if they yield, where there is room; those of all runs at
     both pressures, ``at``, are on a line of their own.
     """
-    from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
+    from ..chain.yield_pressure import YIELD_STATED, assumes_pressure
 
     lawful = [name for name, run in runs.items() if assumes_pressure(run.chain)]
     elastic, beyond = _beyond_yield(runs, yielding)
     whose = f"{listed(lawful)}: " if 0 < len(lawful) < len(runs) else ""
-    law = f"{whose}{YIELD_ASSUMED} {DEFINED}" * bool(lawful)
+    law = f"{whose}{YIELD_STATED}" * bool(lawful)
     if (law or beyond) and (peaks := _at_both_pressures(runs, at)):
         # The legend names elastic contacts beside others.
         return f"{law or elastic}\n{peaks}"

@@ -16,7 +16,7 @@ from matplotlib.gridspec import GridSpecBase
 
 from ..chain.hertz_ratios import OUTSIDE_LAW
 from ..chain.materials import FIRST_YIELD
-from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
+from ..chain.yield_pressure import YIELD_STATED, assumes_pressure
 from ..collision import Array
 from ..designs.comparison import DESIGN, GIVEN, compared_chains, same_as, shown_chains
 from ..designs.curves import Curve, compared_curves, plotted_quantity, shows_forces
@@ -161,7 +161,7 @@ def _draw_curves(
 
 def _assumed(result: DesignResult) -> str:
     """The yield pressure that contacts of the design assume; empty without one."""
-    return f"{YIELD_ASSUMED} {DEFINED}" if assumes_pressure(result.chain) else ""
+    return YIELD_STATED if assumes_pressure(result.chain) else ""
 
 
 def _name_given_chain(result: DesignResult, drawn: set[str], axes: Axes) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
 
-from ..chain.yield_pressure import DEFINED, LOW, YIELD_ASSUMED
+from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, YIELD_STATED
 from ..collision import Array
 from ..representation import in_column, usual_unit, with_decimals
 from .colours import COLOURS, grey
@@ -69,9 +69,8 @@ def plot_at_both_pressures(low: Distribution, high: Distribution, names: tuple[s
             for percent in marked:
                 axes.axvline(factor * each.percentile(percent), color=colour, linestyle=":")
         # The legend has the pressures.
-        words = f"{YIELD_ASSUMED} {DEFINED}"
-        title = chain_title(low.chain).replace(f", {words}", "")
-        _finish(axes, low, unit, own=True, title=title, legend=words.replace(f" {LOW}", ""))
+        title = chain_title(low.chain).replace(f", {YIELD_STATED}", "")
+        _finish(axes, low, unit, own=True, title=title, legend=f"contacts yield {DEFINED}")
     return axes
 
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from ..chain.chain import Chain
-from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
+from ..chain.yield_pressure import YIELD_STATED, assumes_pressure
 from .differences import loss_in_words
 
 
@@ -35,7 +35,7 @@ def numbered(labels: Sequence[str]) -> list[str]:
 
 def with_assumed_yield(title: str, chains: Sequence[Chain]) -> str:
     """A title, with the yield pressure that any of the chains assumes."""
-    assumed = f"{YIELD_ASSUMED} {DEFINED}" if any(map(assumes_pressure, chains)) else ""
+    assumed = YIELD_STATED if any(map(assumes_pressure, chains)) else ""
     return ", ".join(filter(None, (title, assumed)))
 
 

@@ -24,7 +24,7 @@ from matplotlib.rcsetup import cycler
 from matplotlib.ticker import LogLocator, MaxNLocator, NullLocator, ScalarFormatter
 
 from ..chain.chain import Chain
-from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED
+from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, YIELD_STATED
 from ..errors import InputError
 from ..validation.keywords import checked_arguments
 from ..validation.objects import check_list, check_type
@@ -229,7 +229,7 @@ def set_title(axes: Axes, text: str, *, common: bool = False) -> None:
     present = axes.get_title()
     if journal_width.get() is not None:
         # Only the assumption remains.
-        text = f"{YIELD_ASSUMED} {DEFINED}" if YIELD_ASSUMED in text else ""
+        text = YIELD_STATED if YIELD_ASSUMED in text else ""
     if present not in ("", _titles.get(axes)):
         return
     # Labels that are drawn later make the axes narrower.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Final
 
 from ..chain.laws.elastic_plastic import ElasticPlastic
-from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED
+from ..chain.yield_pressure import YIELD_STATED
 from ..representation import counted
 from .methods import name_of
 from .style import literal
@@ -33,7 +33,7 @@ def caption_of(dataset: xr.Dataset, drawn: xr.DataArray, reference: str | None) 
         *(coordinate_text(value, str(name)) for name, value in drawn.coords.items()
           if value.ndim == 0 and name not in only),
         f"relative to {name_of(reference)}" if reference is not None else "",
-        f"{YIELD_ASSUMED} {DEFINED}"
+        YIELD_STATED
         if "yield_pressure" in dataset.attrs and _may_yield(drawn) else "",
     ]  # fmt: skip
     return [part for part in (*caption, *together_in_words(drawn)) if part]

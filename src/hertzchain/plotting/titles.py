@@ -23,7 +23,7 @@ from ..chain.description import (
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
 from ..chain.walls import Wall
-from ..chain.yield_pressure import DEFINED, YIELD_ASSUMED, assumes_pressure
+from ..chain.yield_pressure import YIELD_ASSUMED, YIELD_STATED, assumes_pressure
 from ..representation import measure
 from .style import literal
 
@@ -56,7 +56,7 @@ def title_parts(chain: Chain, *, strikers: bool = True) -> list[str]:
 
 def chain_title(chain: Chain) -> str:
     """The same with the precompression, and Y in words, escaped for Matplotlib."""
-    words = chain_words(chain).replace(YIELD_ASSUMED, f"{YIELD_ASSUMED} {DEFINED}")
+    words = chain_words(chain).replace(YIELD_ASSUMED, YIELD_STATED)
     return literal(", ".join(filter(None, (words, load_in_title(chain)))))
 
 

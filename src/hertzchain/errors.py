@@ -164,10 +164,15 @@ def unknown_name_error(
 
 def similar_names(name: object, choices: Iterable[str]) -> str:
     """Those of the known names that an unknown one may mean, such as ``'radii' or 'radius'``."""
+    return alternatives(names_meant(name, choices))
+
+
+def names_meant(name: object, choices: Iterable[str]) -> list[str]:
+    """The same as a list."""
     lower = {choice.lower(): choice for choice in choices}
     asked = name.lower() if isinstance(name, str) else ""
     if (meant := OTHER_WORDS.get(asked)) in lower:
-        return repr(lower[meant])
+        return [lower[meant]]
     if asked.endswith("@wall"):
         asked = next((each for each in lower if each.startswith("wall") and "peak" in each), asked)
     near = difflib.get_close_matches(asked, lower, n=1, cutoff=NEAR)
@@ -179,7 +184,7 @@ def similar_names(name: object, choices: Iterable[str]) -> str:
         near = [choice for choice in lower if _is_near(asked, choice.partition("-")[0])]
     if not near:
         near = [choice for choice in lower if _abbreviates(asked, choice)]
-    return alternatives(lower[each] for each in near[:3])
+    return [lower[each] for each in near[:3]]
 
 
 def alternatives(names: Iterable[str]) -> str:

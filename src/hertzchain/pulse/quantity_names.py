@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, Final
 
-from ..errors import InputError, alternatives, similar_names, unknown_name_error
+from ..errors import InputError, alternatives, names_meant, unknown_name_error
 from .quantities import (
     BODY_QUANTITIES,
     FINAL_QUANTITIES,
@@ -60,5 +59,5 @@ def unknown_quantity_error(name: object, known: Sequence[str]) -> InputError:
 
 def full_names_meant(name: object, known: Sequence[str]) -> str:
     """Full names that an unknown one may mean, from both names of each quantity."""
-    near = similar_names(name, dict.fromkeys([*map(full_name, known), *known]))
-    return alternatives(dict.fromkeys(map(full_name, re.findall("'([^']+)'", near))))
+    near = names_meant(name, dict.fromkeys([*map(full_name, known), *known]))
+    return alternatives(dict.fromkeys(map(full_name, near)))

@@ -36,6 +36,11 @@ def usual_spelling(name: str) -> str:
     return OTHER_SPELLING.sub(r"\1 ", words)
 
 
+def _example_ball(chain: Chain) -> int:
+    """Number of a ball of the chain, for examples of names."""
+    return max(1, min(EXAMPLE, chain.beads - chain.strikers - (chain.cap is not None)))
+
+
 def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: bool = False) -> int:
     """Number of a bead, strikers included, from that number or a name such as ``"ball 11"``.
 
@@ -45,8 +50,12 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
         try:
             return whole_number(what, bead, least=1, most=chain.beads)
         except InputError as error:
-            ball = max(1, min(EXAMPLE, chain.beads - chain.strikers - (chain.cap is not None)))
-            names = [f"ball {ball}", LAST, *[CAP] * (chain.cap is not None), *["wall"] * walls]
+            names = [
+                f"ball {_example_ball(chain)}",
+                LAST,
+                *[CAP] * (chain.cap is not None),
+                *["wall"] * walls,
+            ]
             raise InputError(f"{error}; or give a name: {alternatives(names)}") from None
     name = usual_spelling(bead)
     if name == LAST:
@@ -59,7 +68,7 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
     if found is None:
         cap = f", or {CAP!r}" if chain.cap is not None else ""
         wall = ", or 'wall'" if walls else ""
-        ball = max(1, min(EXAMPLE, chain.beads - chain.strikers - bool(cap)))
+        ball = _example_ball(chain)
         raise InputError(
             f"{what} must be a whole number or a name such as 'ball {ball}' (without the strikers) "
             f"or 'bead {ball + chain.strikers}' (with them){cap}{wall}, got {short_repr(bead)}"

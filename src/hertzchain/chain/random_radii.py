@@ -68,9 +68,9 @@ def reject_length(what: str, value: object, chain: ChainFields | None = None) ->
         radii = chain.radii[chain._balls]
         parts = (f"'{50.0 * length / radius:.3g}%'" for radius in (radii.max(), radii.min()))
         between = " to ".join(dict.fromkeys(parts))
-        example = f"; for diameters of {sizes_in_words(radii)}, give {between}".replace(
-            "of between", "between"
-        )
+        sizes = sizes_in_words(radii)
+        of = "" if sizes.startswith("between") else "of "
+        example = f"; for diameters {of}{sizes}, give {between}"
     raise InputError(f"{what} must be relative to the diameters, got the length {value!r}{example}")
 
 

@@ -31,6 +31,7 @@ WORDINGS: Final = (
     (r"\buse loss=ElasticPlastic\(factor=([\d.]+)\)",
      r"use loss = {law = 'elastic-plastic', factor = \1} in the chain file"),
     (r"\b(omit (?:it|them|the walls?)): chain\.replace\([^)]*\)", r"\1"),
+    (r"^--wall must be same, rigid, (?=a material)", "--wall must be same, rigid, none, "),
     (r"\bomit the wall (?=behind a free body)", "omit the wall (--wall none) "),
     (r"\bloss=None\b", "no loss"),
     (r"\buse Wall\.rigid\(\)", "use --wall rigid, or rigid = true in the chain file"),

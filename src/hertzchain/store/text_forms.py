@@ -26,9 +26,8 @@ def wall_from_text(what: str, text: str) -> dict[str, Any]:
         return {"stiffness": text, "exponent": 1.0, "loss": {"law": "elastic"}}
     if found is not None and has_dimension(found[1], "N/m^1.5"):
         return {"stiffness": text}
-    none = "none, " if what == "--wall" else ""  # Chain files omit the key instead.
     raise InputError(
-        f"{what} must be same, rigid, {none}a material, or a stiffness such as '5 kN/mm' "
+        f"{what} must be same, rigid, a material, or a stiffness such as '5 kN/mm' "
         f"(exponent 1) or '2e10 N/m^1.5', got {text!r}{comma_advice(text)}"
     )
 

@@ -67,7 +67,7 @@ def record_curves(
         curves.append(
             {"key": str(i), "label": label, "note": note, "static": static, "place": place}
         )
-    automatic, given = ([], []) if found is None else _beginnings(found)
+    automatic, given = ([], []) if found is None else _starts(found)
     header = {
         "name": record.name, "offset": offset, "curves": curves, "notes": notes + automatic,
         # Remarks if the user gives the time at which the simulation begins.
@@ -126,8 +126,8 @@ def _unscaled(signals: Sequence[Signal], *, exchanged: bool) -> list[str]:
     ]
 
 
-def _beginnings(found: TraceComparison) -> tuple[list[str], list[str]]:
-    """Remarks on the begin of the simulation by least squares, and on one that the user gives."""
+def _starts(found: TraceComparison) -> tuple[list[str], list[str]]:
+    """Remarks on the start of the simulation by least squares, and on one that the user gives."""
     if found.exchanged:
         return [], []
     given = "the time at which the simulation begins is given"

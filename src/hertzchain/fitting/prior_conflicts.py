@@ -32,14 +32,10 @@ MANY: Final = 100.0
 NEAR_POWER: Final = 0.2
 # Units that make values too small and too large by a thousand.
 UNITS: Final = ("mV instead of V", "V instead of mV")
-ADVICE: Final = (
-    "check the diameters, masses and materials of the chain, the calibration of the sensors, and "
-    "the prior itself"
-)
+OF_CHAIN: Final = "the diameters, masses and materials of the chain, the calibration of the sensors"
+ADVICE: Final = f"check {OF_CHAIN}, and the prior itself"
 # A comparison finds gains for the loss and the impact of the file, which a fit usually frees.
-COMPARED: Final = ADVICE.replace(
-    "the diameters", "the velocity of the impact, the loss, the diameters"
-)
+COMPARED: Final = f"check the velocity of the impact, the loss, {OF_CHAIN}, and the prior itself"
 
 
 def bound_notes(names: Sequence[str]) -> list[str]:

@@ -49,7 +49,7 @@ class Pair:
     times, seen : ndarray
         Valid samples, multiplied by -1 if the sensor is inverted.
     own : ndarray
-        Simulated signal from the begin of the run, evenly spaced.
+        Simulated signal from the start of the run, evenly spaced.
     scales : tuple of float
         Smallest and largest factor of the simulated signal.
     signed : bool

@@ -12,7 +12,7 @@ from __future__ import annotations
 from ..chain.chain import Chain
 from ..chain.hertz_ratios import linear_springs, scale_free_loss, springs_of
 
-EXPONENT_OF_FORCES, EXPONENT_OF_TIMES = 6.0 / 5.0, -1.0 / 5.0
+EXPONENT_OF_FORCES = 6.0 / 5.0
 
 
 def other_scales(chain: Chain) -> list[str]:

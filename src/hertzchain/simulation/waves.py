@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 DIRECTIONS: Final = {1: "right", -1: "left"}
-# Relative difference between the begin and the end of a track from which both values are shown,
+# Relative difference between the start and the end of a track from which both values are shown,
 # and that of other quantities of the same wave.
 SAME, SIMILAR = 0.2, 0.05
 TRANSPORTED: Final = ("amplitude", "momentum", "energy")

@@ -2285,6 +2285,7 @@ def test_a_part_of_the_time_can_be_selected(browser, tmp_path):
         assert tab.is_hidden("#whole")
         # A click still moves the cursor.
         tab.mouse.click((left + right) / 2, y)
+        tab.evaluate(NEXT_FRAME)
         cursor = float(tab.text_content("#clockface").split()[2]) * 1e-6
         assert cursor == pytest.approx(end / 2, rel=0.02)
         # A drag selects a part, of the budget too.

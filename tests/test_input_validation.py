@@ -18,7 +18,7 @@ RESULTS = (
     "EffectivePulse", "EnergyBalance", "EnergyFlux", "Gradient",
     "FitResult", "Forecast", "Fronts", "LabSheet", "LossComparison", "Posterior", "TraceComparison",
     "HertzRange", "Horizon", "LeadingPulse", "PulseTable", "Reflection", "Run", "RunTable",
-    "Scoreboard", "SensorPassage",
+    "ScatterCauses", "Scoreboard", "SensorPassage",
     "SensorForce", "SolitaryWave", "Spectrum", "State", "StaticState", "VelocityPeaks", "Verdict",
     "WallForce", "Wave", "WaveEvent", "Waves",
 )  # fmt: skip
@@ -116,6 +116,20 @@ def public_calls(folder):
             seed=2,
             threads=1,
             progress=None,
+        ),
+        "scatter_causes": tried(
+            hc.scatter_causes,
+            chain=chain,
+            quantity="velocity@3",
+            scatter=hc.Scatter(radius=0.01, speed=0.01, samples=3),
+            seed=2,
+            threads=1,
+            progress=None,
+        ),
+        "ScatterCauses.to_dataframe": tried(
+            hc.scatter_causes(
+                chain, "velocity@3", hc.Scatter(radius=0.01, speed=0.01, samples=3)
+            ).to_dataframe
         ),
         "Distribution.plot": tried(
             hc.distribution(chain, "velocity@3", hc.Scatter(radius=0.01, samples=3)).plot, ax=None

@@ -6,13 +6,11 @@ import math
 import re
 from dataclasses import replace
 
-import click
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.chain.yield_pressure import assumes_pressure, note_on_soft_balls, with_factor
-from hertzchain.cli.scatter_causes import causes_document, causes_of, causes_table, each_alone
 from hertzchain.plotting.distributions import plot_at_both_pressures
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -259,30 +257,31 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
 def test_causes_of_a_scatter_are_simulated_alone_and_sorted():
     chain = hc.Chain.uniform(3).replace(right_wall=hc.Wall())
     both = hc.Scatter(0.001, speed=0.03, samples=4)
-    causes = both._causes(chain.units)
-    assert list(causes) == ["0.1% scatter", "speed +-3%"]
-
-    def simulated(given, _, cause):
-        return hc.distribution(given, "wall_force.peak", causes[cause])
-
-    alone = each_alone(chain, causes, simulated)
-    assert list(alone) == ["speed +-3%", "0.1% scatter"]
+    done = []
+    found = hc.scatter_causes(
+        chain, "wall_force.peak", both, progress=lambda *counts: done.append(counts)
+    )
+    assert done[-1] == (10, 10)
+    assert list(found.alone) == ["speed +-3%", "0.1% scatter"]
     single = hc.distribution(chain, "wall_force.peak", hc.Scatter(0.001, samples=4))
-    assert np.array_equal(alone["0.1% scatter"].values, single.values)
-    document = causes_document(alone)[1]
-    assert document["standard_deviation"] == single.standard_deviation
+    assert np.array_equal(found.alone["0.1% scatter"].values, single.values)
+    assert found.to_dataframe().loc["0.1% scatter"].to_list() == [
+        single.mean, single.standard_deviation, 0,
+    ]  # fmt: skip
+    assert "<td" in found._repr_html_()
+    assert "% by speed +-3% alone" in repr(found)
     # The change of the yield pressure has its place among the causes.
     for factor, place in ((1.0, 3), (1.01, 2), (1.2, 1)):
         harder = replace(single, nominal=factor * single.nominal)
-        lines = causes_table(alone, harder).splitlines()
+        lines = found._table(harder).splitlines()
         assert lines[0].strip().startswith("each cause alone, yield 1.6 Y")
         names = [line.split()[0] for line in lines[1:4]]
         assert names == [*(rest := ["speed", "0.1%"])[: place - 1], "yield", *rest[place - 1 :]]
         assert lines[place].split()[-1] == f"({100 * (factor - 1):+.3g}%)"
         assert "not random" in lines[4]
-    assert "yield" not in causes_table(alone, None)
-    with pytest.raises(click.UsageError, match="at least two causes"):
-        causes_of(hc.Scatter(0.001), chain, as_csv=False)
+    assert "yield" not in str(found)
+    with pytest.raises(hc.InputError, match="at least two causes.*got 0.1% scatter"):
+        hc.scatter_causes(chain, "wall_force.peak", hc.Scatter(0.001))
 
 
 def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):

@@ -43,6 +43,8 @@ from .designs.problem import Design as Design
 from .designs.problem_files import load_design as load_design
 from .designs.result import DesignResult as DesignResult
 from .designs.scatter import Scatter as Scatter
+from .designs.scatter_causes import ScatterCauses as ScatterCauses
+from .designs.scatter_causes import scatter_causes as scatter_causes
 from .errors import DamageWarning as DamageWarning
 from .errors import IncompleteWarning as IncompleteWarning
 from .errors import InputError as InputError

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import click
 
+from ..recorded_warnings import ignore_warnings
 from .chain_completion import complete_grades
 from .chain_options import ChainOptions, chain_from, chain_options
 from .exit_codes import DONE, FAILED
@@ -27,7 +28,6 @@ from .options import (
 )
 from .output import save_figure, show_json
 from .progress import progress_bar
-from .scatter_causes import causes_document, causes_of, causes_table, each_alone
 from .wording import on_command_line
 from .wrapped_text import show_text
 
@@ -36,12 +36,16 @@ if TYPE_CHECKING:
 
     from ..chain.chain import Chain
     from ..designs.distribution import Distribution
+    from ..designs.scatter import Scatter
+    from ..designs.scatter_causes import ScatterCauses
 
 PERCENTILES: Final = (1, 5, 50, 95, 99)
 NO_SCATTER: Final = (
     "give --scatter, such as 1%, or --grade, such as 100, or --gaps, such as 5um, or "
     "--speed-scatter, such as 2%, or --young-scatter or --yield-scatter, such as 5%"
 )
+
+ONE_CAUSE: Final = "--causes compares at least two causes, such as --grade 100 --gaps 5um"
 
 
 @click.command(cls=StrictCommand)
@@ -142,8 +146,8 @@ def scatter(
     from ..chain.impact_speed import relative_deviation
     from ..validation.numbers import whole_number
 
-    if as_json and as_csv:
-        raise click.UsageError("--json and --csv cannot be combined")
+    if as_csv and (as_json or apart):
+        raise click.UsageError("--csv cannot be combined with --json or --causes")
     if relative is not None and grade is not None:
         raise click.UsageError("give --scatter, such as 1%, or --grade, such as 100, not both")
     given = (relative, grade, gaps, of_speed, of_young or None, of_yield or None)
@@ -165,30 +169,46 @@ def scatter(
         yield_strength=strength,
     )  # fmt: skip
 
-    causes = causes_of(deviations, chain, as_csv=as_csv) if apart else {}
+    if apart and len(deviations._causes(chain.units)) < 2:
+        raise click.UsageError(ONE_CAUSE)
 
-    def simulated(row: Chain, words: str = "", cause: str = "") -> Distribution:
+    def simulated(row: Chain, words: str = "") -> Distribution:
         with progress_bar(f"random chains and the nominal one{words}") as progress:
             return hertzchain.distribution(
-                row, name, causes.get(cause, deviations), until=end, seed=seed, progress=progress
+                row, name, deviations, until=end, seed=seed, progress=progress
             )
 
     found = simulated(chain)
-    alone = each_alone(chain, causes, simulated)
+    alone = _each_alone(chain, name, deviations, end, seed) if apart else None
     harder = (
         None if as_csv and plot is None else _at_fully_plastic_pressure(chain, found, simulated)
     )
     if plot is not None:
         save_figure(_plotted(found, harder), plot)
     if as_json:
-        show_json(_document(found, harder) | {"causes": causes_document(alone)})
+        show_json(_document(found, harder) | {"causes": _causes_document(alone)})
     elif as_csv:
         unit = "" if found.unit == "1" else f" [{found.unit}]"
         click.echo(f"{found.quantity}{unit}")
         click.echo("\n".join(map(repr, found.values.tolist())))
     else:
-        show_text("\n".join(filter(None, (_table(found, harder), causes_table(alone, harder)))))
+        tables = [_table(found, harder)] + ([] if alone is None else [alone._table(harder)])
+        show_text("\n".join(tables))
     return FAILED if found.failed else DONE
+
+
+def _each_alone(
+    chain: Chain, name: str, deviations: Scatter, end: float | None, seed: int
+) -> ScatterCauses:
+    """Values with each cause alone; the warning for all causes together has been shown."""
+    from ..designs.scatter_causes import scatter_causes
+    from ..errors import ModelRangeWarning
+
+    with (
+        progress_bar("random chains with each cause alone") as progress,
+        ignore_warnings(ModelRangeWarning),
+    ):
+        return scatter_causes(chain, name, deviations, until=end, seed=seed, progress=progress)
 
 
 def _part(text: str, chain: Chain) -> float:
@@ -251,6 +271,11 @@ def _document(found: Distribution, harder: Distribution | None) -> dict[str, Any
         "values": found.values.tolist(),
         "notes": _notes(found, harder),
     }
+
+
+def _causes_document(alone: ScatterCauses | None) -> list[dict[str, Any]] | None:
+    """Effects of each cause, in their order; None if they were not requested."""
+    return None if alone is None else alone.to_dataframe().reset_index().to_dict("records")
 
 
 def _statistics(found: Distribution) -> dict[str, Any]:

@@ -15,7 +15,7 @@
   `reference_chains`, `ball_tapers`, `yield_range`, `comparison`, `limits_if_yielding`, `curves`,
   `rejections`, `report`, `allowed_sizes`, `ends_of_search`, `compared_in_words`,
   `sizes_in_words`, `exports`;
-- deviations of beads: `sensitivity`, `distribution`.
+- deviations of beads: `sensitivity`, `distribution`, `scatter_causes`.
 """
 
 import lazy_loader

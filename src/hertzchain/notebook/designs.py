@@ -14,6 +14,7 @@ from ..designs.measures import notes_on
 from ..designs.report import front_in_words, search_in_words
 from ..designs.result import DesignResult
 from ..designs.scatter import Scatter
+from ..designs.scatter_causes import NOTE, ScatterCauses
 from ..designs.sizes_in_words import order_in_words
 from ..representation import counted
 from .drawing import Curve, axis_unit, chart, engineering, note, numbers, page, sentence, table
@@ -84,6 +85,14 @@ def distribution_html(found: Distribution) -> str:
         notes.append(note(sentence(yielding)))
     about = f"{found.quantity} of {len(found.values)} random chains: {found.chain.description}"
     return page("Distribution", about, figure, numbers(words), *notes)
+
+
+def scatter_causes_html(found: ScatterCauses) -> str:
+    """Mean and standard deviation with each cause alone."""
+    head, *rows = found._rows()
+    first = next(iter(found.alone.values()))
+    about = f"{first.quantity}: {first.chain.description}"
+    return page("ScatterCauses", about, table(head, rows, numeric=True), note(sentence(NOTE)))
 
 
 def scatter_html(scatter: Scatter) -> str:

@@ -237,6 +237,27 @@ def test_forces_in_sensors_are_those_of_runs(coefficient):
         plot_sweep(found, "sensor.largest@3")
 
 
+@pytest.mark.parametrize("more", [[], ["wall_impulse"]])  # together, or one after the other
+def test_points_at_which_contacts_yield_have_a_reason_and_are_counted(more, tmp_path, run):
+    row = {"materials": "steel-52100", "radii": 2e-3, "beads": 3, "right_wall": "same"}
+    keep = {"methods": ["simulate"], "keep": ["wall_peak_force", *more]}
+    axes = {"velocity": [0.1, 1.0]}
+    with pytest.warns(hc.ModelRangeWarning, match="at 1, contacts yield.*variable reason"):
+        found = hc.sweep({"chain": row, "axes": axes, "sweep": keep}, tmp_path / "store")
+    fast = hc.Chain.from_materials(
+        2e-3, "steel-52100", beads=3, velocity=1.0, right_wall=hc.Wall.of("steel-52100")
+    )
+    with pytest.warns(hc.ModelRangeWarning):
+        ratio = hc.hertz_range(fast, hc.simulate(fast).largest_overlaps).largest_yield_ratio
+    slow, reason = found.reason.values.ravel()
+    assert slow == ""
+    assert reason == f"contacts yield, which their law omits: pressure / yield is {ratio:.3g}"
+    shown = run("sweep", "status", str(tmp_path / "store")).stdout
+    assert "points at which contacts yield, which their law omits: 1 (see" in shown
+    row["loss"] = "elastic-plastic"
+    assert (hc.sweep({"chain": row, "axes": axes, "sweep": keep}).reason == "").all()
+
+
 def test_a_missing_ratio_of_pressure_and_yield_has_a_reason():
     row = {"radii": 2e-3, "beads": 4, "velocity": 0.1, "right_wall": {}}
     keep = {"methods": ["simulate"], "keep": ["yield_ratio", "wall_peak_force"]}

@@ -29,6 +29,8 @@ NO_PREDICTION: Final = 0.1
 # Advice beyond it, where a law with yield is not valid either.
 OTHER_MATERIAL: Final = f" or choose another material (overlaps exceed {NO_PREDICTION:g})"
 OUTSIDE_LAW: Final = "outside the range of the law"
+# In the reasons of points of sweeps, which are counted by these words.
+CONTACTS_YIELD: Final = "contacts yield, which their law omits"
 # Ratio of the stiffness of a contact to that of its materials, or its inverse, from which yield of
 # `ElasticPlastic()`, which follows from the stiffness, differs from that of the materials.
 OTHER_STIFFNESS: Final = 2.0
@@ -46,6 +48,14 @@ def exceeds_limits(chain: Chain, overlaps: Array) -> bool:
         or (overlap_ratio > overlap_limits(chain)).any()
         or speed_ratio(chain) > MAX_SPEED_RATIO
     )
+
+
+def yield_reasons(chain: Chain, overlaps: Array) -> list[str]:
+    """A clause if contacts yield and their law omits it, for tables of many chains."""
+    if chain.units != "SI" or chain.materials is None:
+        return []
+    largest = np.nan_to_num(contact_ratios(chain, overlaps)[1]).max()
+    return [f"{CONTACTS_YIELD}: pressure / yield is {largest:.3g}"] if largest > 1.0 else []
 
 
 def overlap_limits(chain: Chain) -> Array:

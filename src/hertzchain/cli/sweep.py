@@ -341,6 +341,7 @@ def _show_estimate(specification: Path, store: Path, workers: int | None, as_jso
 
 
 def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: bool) -> int:
+    from ..chain.hertz_ratios import CONTACTS_YIELD
     from ..chain.stiff_walls import TOO_STIFF
     from ..sweeps.assumed_yield import assumed_by
     from ..sweeps.free_faces import note_on_free_faces
@@ -351,10 +352,11 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
     flags = {name: opened.flagged(name) for name in FLAGGED}
     plan = plan_of(opened.specification)
     stiff = opened.explained(TOO_STIFF) if plan.units == "SI" else 0
+    yielding = opened.explained(CONTACTS_YIELD) if flags["outside_range"] else 0
     failures = opened.failures(5) if counts["failed"] else []
     if as_json:
         show_json({
-            "store": str(store), **counts, **flags, "stiff_wall": stiff,
+            "store": str(store), **counts, **flags, "stiff_wall": stiff, "yielding": yielding,
             "failures": [{"point": place, "reason": reason} for place, reason in failures],
         })  # fmt: skip
     else:
@@ -365,6 +367,9 @@ def _show_outcome(opened: SweepStore, part: tuple[int, int] | None, as_json: boo
         for name, number in flags.items():
             if number:
                 click.echo(f"  points {FLAGGED[name]}: {number} (see variable `{name}`)")
+        if yielding:
+            click.echo(f"  points at which {CONTACTS_YIELD}: {yielding} (see variable `reason`; "
+                       'loss = "elastic-plastic" includes it)')  # fmt: skip
         if stiff:
             click.echo(f"  points at which the spring of a {TOO_STIFF}: {stiff} (see variable "
                        "`reason`)")  # fmt: skip

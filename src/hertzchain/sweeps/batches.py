@@ -11,6 +11,7 @@ import numpy as np
 from .. import __version__
 from ..chain.chain import Chain
 from ..chain.hertz_range import ALL_YIELD, UNKNOWN_YIELD
+from ..chain.hertz_ratios import yield_reasons
 from ..chain.stiff_walls import stiff_wall_reasons
 from ..collision import HERTZ_EXPONENT, Array
 from ..errors import IncompleteWarning, InputError, ModelRangeWarning, SimulationError, warn_user
@@ -230,6 +231,8 @@ class _Batch:
             reasons = [
                 *missing, *self._unknown_yield(chains[i], row, place), *table._stiff_walls(i)
             ]  # fmt: skip
+            if table.outside_range[i]:
+                reasons += yield_reasons(chains[i], table._overlaps[i, : beads + 1])
             self.reason[row][place] = "; ".join(reasons)
             self.outside_range[row, place] = table.outside_range[i]
             ends = bool(walls) or self._bodies(chains[i])
@@ -287,8 +290,11 @@ class _Batch:
                 if run.beads_passed < chain.beads - chain.strikers:
                     self.status[row, place] = FAILED
             self._keep_placed(row, place, run)
-            stiff = stiff_wall_reasons(chain, run._furthest_overlaps)
-            self.reason[row][place] = "; ".join(filter(None, (self.reason[row][place], *stiff)))
+            notes = [
+                self.reason[row][place], *stiff_wall_reasons(chain, run._furthest_overlaps),
+                *yield_reasons(chain, run.largest_overlaps),
+            ]  # fmt: skip
+            self.reason[row][place] = "; ".join(filter(None, notes))
         else:
             self._keep_pulse(row, place, pulse_by(method, chain, **options))
 

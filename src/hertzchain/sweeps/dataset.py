@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import __version__
+from ..chain.hertz_ratios import CONTACTS_YIELD
 from ..chain.stiff_walls import TOO_STIFF
 from ..errors import IncompleteWarning, ModelRangeWarning, warn_user
 from ..pulse.quantities import BODY_QUANTITIES
@@ -225,7 +226,10 @@ def _coordinate(along: str, values: np.ndarray[Any, Any], attributes: dict[str, 
 
 def warn_outside_range(found: xr.Dataset) -> None:
     """Warn once if points are outside the range of a method or of Hertz's law, or of a spring."""
-    stiff = int((np.strings.find(found.reason.values.astype("T"), TOO_STIFF) >= 0).sum())
+    reasons = found.reason.values.astype("T")
+    stiff, yielding = (
+        int((np.strings.find(reasons, words) >= 0).sum()) for words in (TOO_STIFF, CONTACTS_YIELD)
+    )
     if stiff:
         warn_user(
             f"at {stiff} of {found.reason.size} points, the spring of a {TOO_STIFF} (see variable "
@@ -238,7 +242,9 @@ def warn_outside_range(found: xr.Dataset) -> None:
     if outside:
         warn_user(
             f"{outside} of {found['outside_range'].size} points are outside the validity range of "
-            "a method or of Hertz's law (variable outside_range)",
+            "a method or of Hertz's law (variable outside_range)"
+            + f"; at {yielding}, {CONTACTS_YIELD} (variable reason)"
+            * bool(yielding),
             ModelRangeWarning,
         )
 

@@ -56,7 +56,7 @@ CASES = {
     ),
     "another striker": (
         BALLS.struck_by(radius="3 mm"),
-        "20 steel-316 beads, diameter 10 mm, 1% scatter, and 1 striker (6 mm)",
+        "20 steel-316 beads, diameter 10 mm, 1% scatter, and 1 striker (6 mm, 0.9048 g)",
         "20 steel balls, 10 mm, 1% scatter, and a striker, 6 mm",
     ),
 }  # fmt: skip

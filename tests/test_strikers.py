@@ -244,7 +244,7 @@ def test_derivatives_by_single_radii_are_those_of_the_simulation_only():
 def test_the_material_of_a_striker_is_not_counted_among_those_of_the_beads():
     beads = hc.Chain.from_materials("2.5 mm", "ptfe", beads=4)
     struck = beads.struck_by(material="brass", velocity=0.1)
-    assert struck.description == "4 ptfe beads, diameter 5 mm, and 1 striker (brass)"
+    assert struck.description == "4 ptfe beads, diameter 5 mm, and 1 striker (brass, 0.5583 g)"
     assert beads.struck_by(velocity=0.1).description.endswith("and 1 striker")
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from .changed_tapers import taper_behind
@@ -42,9 +44,7 @@ def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
     scatter = chain.scatter.words(chain.radii, own) if chain.scatter else ""
     balls = chain.masses[own] if "masses" in chain.given else None
     cells = cells_in_words(shape.radii[own], balls)
-    masses = None if chain.strikers_are_spheres else chain.masses
-    before = None if chain.materials is None else chain.materials[: own.stop]
-    first = strikers_in_words(chain.strikers, shape.radii, masses, chain.units, before)
+    first = described_strikers(chain)
     taper = shape.taper, shape.taper_parameters
     if (chain.strikers or chain.cap) and chain.scaled:
         taper = taper_behind(shape.radii[own])
@@ -65,6 +65,18 @@ def _parts(chain: ChainFields) -> tuple[list[str], list[str], list[str]]:
         [each for each in (first, cap_in_words(chain)) if each],
         [each for each in features if each],
     )
+
+
+def described_strikers(chain: ChainFields) -> str:
+    """Such as ``1 striker (mass 5 g, flat)``; empty without strikers."""
+    spheres, count = chain.strikers_are_spheres, chain.strikers
+    known = spheres and count == 1 and not chain.scaled
+    return strikers_in_words(
+        count, (chain.scatter or chain).radii, None if spheres else chain.masses, chain.units,
+        None if chain.materials is None else chain.materials[: chain._balls.stop],
+        flat=any(each.flat for each in chain.striker_properties),
+        mass=float(chain.masses[0]) if known else math.nan,
+    )  # fmt: skip
 
 
 def cap_in_words(chain: ChainFields) -> str:

@@ -265,12 +265,16 @@ def strikers_in_words(
     masses: Array | None,
     units: str,
     materials: Sequence[Material] | None = None,
+    *,
+    flat: bool = False,
+    mass: float = math.nan,
 ) -> str:
-    """Such as ``1 striker`` or ``2 strikers (19 mm, brass)``.
+    """Such as ``1 striker``, ``1 striker (mass 5 g, flat)`` or ``2 strikers (19 mm, brass)``.
 
-    Size and material are stated if they are not those of the next bead and of all beads.  Empty
-    without strikers.  Masses are `None` if they follow from the radii.  Otherwise they are shown,
-    because the radius of a striker of a given mass need not be its size.
+    Size and material are stated if they are not those of the next bead and of all beads, with the
+    ``mass`` [kg] of a single sphere if it is known.  Empty without strikers.  Masses are `None` if
+    they follow from the radii.  Otherwise they are shown, because the radius of a striker of a
+    given mass need not be its size.
     """
     if count == 0:
         return ""
@@ -279,7 +283,10 @@ def strikers_in_words(
         for part in ((materials or ())[:count], (materials or ())[count:])
     )
     size = _size_of_strikers(count, radii, masses, units)
-    about = ", ".join(filter(None, (size, listed(own) if own and own != others else "")))
+    parts = [size, listed(own) if own and own != others else ""]
+    if any(parts) and not math.isnan(mass):
+        parts.append(mass_in_words(mass))
+    about = ", ".join(filter(None, [*parts, "flat" * flat]))
     return f"{count} striker{'s' * (count > 1)}" + (f" ({about})" if about else "")
 
 

@@ -7,8 +7,7 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.chain_words import cap_in_words
-from ..chain.description import strikers_in_words
+from ..chain.chain_words import cap_in_words, described_strikers
 from ..chain.drawn_bodies import (
     body_centres,
     flat_bodies,
@@ -96,9 +95,7 @@ def _numbers(chain: Chain) -> dict[str, str]:
 
 def _count(chain: Chain) -> str:
     """Number of beads, of which strikers are stated separately."""
-    masses = None if chain.strikers_are_spheres else chain.masses
-    words = strikers_in_words(chain.strikers, chain.radii, masses, chain.units, chain.materials)
-    others = " and ".join(filter(None, (words, cap_in_words(chain))))
+    others = " and ".join(filter(None, (described_strikers(chain), cap_in_words(chain))))
     balls = f"{len(chain.radii[chain._balls])}"
     return f"{balls}, and {others}" if others else balls
 

@@ -10,8 +10,14 @@ from typing import Any, Final
 import numpy as np
 
 from ..chain.chain import Chain
-from ..chain.chain_words import cap_in_words, described_loss, described_wall, description_parts
-from ..chain.description import law_in_words, length_in_words, strikers_in_words
+from ..chain.chain_words import (
+    cap_in_words,
+    described_loss,
+    described_strikers,
+    described_wall,
+    description_parts,
+)
+from ..chain.description import law_in_words, length_in_words
 from ..chain.laws import Loss
 from ..chain.laws.elastic import Elastic
 from ..chain.laws.given_numbers import law_with_value
@@ -235,13 +241,6 @@ def _striker(chain: Chain, digits: int) -> str:
     return f"{number}{names} striker{'s' * (count > 1)} of {size}".strip()
 
 
-def _described_strikers(chain: Chain) -> str:
-    """The part of a description that names strikers."""
-    masses = None if chain.strikers_are_spheres else chain.masses
-    radii = (chain.scatter or chain).radii
-    return strikers_in_words(chain.strikers, radii, masses, chain.units, chain.materials)
-
-
 def _drive(chain: Chain, digits: int) -> str:
     """Kind of the drive with its numbers."""
     if chain.drive is None:
@@ -260,7 +259,7 @@ def _drive(chain: Chain, digits: int) -> str:
     return f"{of} drive by a {words}" + (f" ({' and '.join(shown)})" if shown else "")
 
 
-STRIKERS: Final = _Property(_striker, lambda chain: (_described_strikers(chain),))
+STRIKERS: Final = _Property(_striker, lambda chain: (described_strikers(chain),))
 PROPERTIES: Final = (
     _Property(_impact, lambda _: ("velocities", "at rest")),
     STRIKERS,

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.chain_words import described_strikers
 from ..chain.description import (
     OddBead,
     beads_of,
@@ -18,7 +19,6 @@ from ..chain.description import (
     shape_in_words,
     sizes_in_words,
     stiffness_in_words,
-    strikers_in_words,
 )
 from ..chain.laws.restitution import Restitution
 from ..chain.materials import Material
@@ -93,9 +93,7 @@ def _scaled_beads(chain: Chain) -> str:
         beads = f"{', '.join(filter(None, (f'{count}, equal{odd.scaled_words}', scatter)))},"
     if not first:
         return beads.removesuffix(",")
-    masses = None if chain.strikers_are_spheres else chain.masses
-    radii = (chain.scatter or chain).radii
-    return f"{beads} and {strikers_in_words(first, radii, masses, chain.units)}"
+    return f"{beads} and {described_strikers(chain)}"
 
 
 def _with_strikers(beads: str, chain: Chain, odd: OddBead | None, *, named: bool) -> list[str]:

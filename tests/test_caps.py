@@ -439,7 +439,10 @@ def test_descriptions_titles_and_names():
     assert CHAINS["scatter"].description == CHAINS["scatter first"].description
     heavy = CHAINS["scatter"].replace(cap=Cap(9e-3))
     assert "1% scatter, and a cap (9 g, steel-52100)" in heavy.description
-    assert "10, and 1 striker (12 mm, 7.039 g) and a cap (5 g, steel-52100)" in with_striker._repr_html_()
+    assert (
+        "10, and 1 striker (12 mm, 7.039 g) and a cap (5 g, steel-52100)"
+        in with_striker._repr_html_()
+    )
     run = hc.simulate(CHAINS["struck"], until=1e-4)
     assert (run.sensor("cap") == run.sensor(7)).all()
     assert "bead 7 (cap)" in {bead_label(run.chain, k) for k in range(1, 8)}

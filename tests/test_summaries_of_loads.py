@@ -70,5 +70,8 @@ def test_the_force_on_a_wall_is_stated_with_its_static_part(run, tmp_path):
 
 def test_masses_of_strikers_are_in_grams():
     row = hc.Chain.from_materials(diameters="10 mm", materials="steel-52100", beads=4)
-    for mass, said in (("0.15 kg", "1 striker (mass 150 g, flat)"), (1.5, "1 striker (mass 1.5 kg, flat)")):
+    for mass, said in (
+        ("0.15 kg", "1 striker (mass 150 g, flat)"),
+        (1.5, "1 striker (mass 1.5 kg, flat)"),
+    ):
         assert said in row.struck_by(mass=mass, radius="flat", velocity=0.1).description

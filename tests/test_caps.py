@@ -429,8 +429,8 @@ def test_descriptions_titles_and_names():
     assert chain_words(steel) == "10 steel balls, 10 mm, cap 5 g, wall 5 kN/mm"
     with_striker = steel.struck_by(diameter="12 mm")
     assert with_striker.description.startswith(
-        "10 steel-52100 beads, diameter 10 mm, 1 striker (12 mm, 7.039 g) and a cap (5 g, steel-52100), "
-        "right wall"
+        "10 steel-52100 beads, diameter 10 mm, 1 striker (12 mm, 7.039 g) and a cap "
+        "(5 g, steel-52100), right wall"
     )
     assert CHAINS["material"].description.count("a cap (5 g, brass)") == 1
     assert CHAINS["scaled"].description == "uniform, 5 beads, and a cap (mass 4)"

@@ -912,6 +912,9 @@ def test_maps_mark_cells_outside_the_range_and_failed_ones():
     names = legend_texts(axes)
     assert names == ["failed", "outside the range of the method or of Hertz's law"]
     assert axes.get_ylabel() == "last radius / first radius"
+    # Cells extend beyond the values, so all ticks are at values.
+    assert axes.get_xticks().tolist() == found.chain_velocity.values.tolist()
+    assert axes.get_yticks().tolist() == found.ratio.values.tolist()
 
 
 @pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")

@@ -5,12 +5,15 @@ import json
 import math
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
 import hertzchain as hc
 from hertzchain.chain.yield_pressure import assumes_pressure, note_on_soft_balls, with_factor
+from hertzchain.plotting.designs import KINDS
 from hertzchain.plotting.distributions import plot_at_both_pressures
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.ModelRangeWarning")
@@ -252,6 +255,17 @@ def test_random_chains_are_simulated_at_both_yield_pressures(run):
     assert edges[0].min() == pytest.approx(assumed.values.min())
     assert edges[0].max() == pytest.approx(high.values.max())
     assert (axes.get_yticks() % 1.0 == 0.0).all()
+
+
+@pytest.mark.parametrize(("law", "stated"), [
+    (hc.ElasticPlastic(), "contacts yield at 1.6 Y (Y: yield strength)"),
+    (hc.ElasticPlastic(factor=2.8), ""),
+])  # fmt: skip
+def test_the_history_of_a_design_states_the_yield_pressure(law, stated):
+    found = SimpleNamespace(chain=row(loss=law), candidates=(), history=np.empty((0, 2)), unit="N",
+                            _sign=1.0)  # fmt: skip
+    assert KINDS["history"](found).get_title() == stated
+    plt.close("all")
 
 
 def test_causes_of_a_scatter_are_simulated_alone_and_sorted():

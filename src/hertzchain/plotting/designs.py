@@ -43,6 +43,7 @@ from .style import (
     broken_label,
     figure_style,
     get_axes,
+    set_title,
     time_axis,
 )
 from .widths import NARROW, figure_size
@@ -427,7 +428,20 @@ def _draw_last(result: DesignResult, axes: Axes) -> None:
         plot_sensitivity(result, ax=axes)
 
 
+def _stating_yield(draw: Callable[..., Axes]) -> Callable[..., Axes]:
+    """State the yield pressure that contacts assume above a figure of one panel."""
+
+    def drawn(result: DesignResult, *, ax: Axes | None = None) -> Axes:
+        axes = draw(result, ax=ax)
+        if words := _assumed(result):
+            with figure_style():
+                set_title(axes, words)
+        return axes
+
+    return drawn
+
+
 KINDS: Final[dict[str, Callable[..., Axes]]] = {
-    "beads": plot_beads, "forces": plot_forces, "history": plot_history,
-    "sensitivity": plot_sensitivity, "front": plot_front,
+    "beads": plot_beads, "forces": plot_forces, "history": _stating_yield(plot_history),
+    "sensitivity": _stating_yield(plot_sensitivity), "front": plot_front,
 }  # fmt: skip

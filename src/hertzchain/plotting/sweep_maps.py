@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Final
 
+import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import LogNorm
+from matplotlib.ticker import NullLocator
 
 from ..collision import Array
 from ..errors import InputError
@@ -14,7 +17,7 @@ from ..units import PERCENT
 from .colours import signed_map
 from .shared_axes import use_power_of_ten
 from .style import broken_label, label_log_axis
-from .sweep_axes import edges_of, places_of, set_axis
+from .sweep_axes import edges_of, places_of, scale_of, set_axis
 from .sweep_labels import quantity_label
 
 if TYPE_CHECKING:
@@ -22,6 +25,8 @@ if TYPE_CHECKING:
 
 # Colour map of values of one sign.
 SEQUENTIAL: Final = "viridis"
+# Smallest part of an axis between two values up to which all values have a tick.
+CLOSEST: Final = 0.12
 
 
 def draw_map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: Sequence[float] = ()) -> None:
@@ -52,7 +57,21 @@ def draw_map(drawn: xr.DataArray, axes: Axes, *, log: bool, levels: Sequence[flo
         axes.clabel(lines, fmt=f"%g{unit}", fontsize=8)
     set_axis(axes, "x", drawn[across])
     set_axis(axes, "y", drawn[down])
+    _set_ticks_at_values(axes.xaxis, drawn[across])
+    _set_ticks_at_values(axes.yaxis, drawn[down])
     axes.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+
+
+def _set_ticks_at_values(axis: Axis, coordinate: xr.DataArray) -> None:
+    """Have a tick at each of few values, because cells extend beyond the first and the last one."""
+    values, log = coordinate.to_numpy(), scale_of(coordinate) == "log"
+    if values.dtype.kind not in "if" or values.size < 2:
+        return
+    places = np.sort(np.log(values) if log else values)
+    if np.diff(places).min() < CLOSEST * np.ptp(places):
+        return
+    axis.set_ticks(values, labels=[f"{value:.4g}" for value in values] if log else None)
+    axis.set_minor_locator(NullLocator())
 
 
 def _colours(values: Array) -> tuple[str, float | None, float | None]:

@@ -1232,6 +1232,11 @@ def test_the_legend_states_the_force_with_contacts_that_yield(page):
     assert warning.startswith(
         "2 warnings: Contacts would be dented, and forces may be lower: pressure / yi"
     )
+    # Contacts that hardly yield do not change the peak.
+    row = "#diameters=10+mm&beads=10&materials=steel-52100&velocity=0.43+m/s"
+    row += "&right_wall.material=steel-52100"
+    legend = page.new_tab(page.origin + row).text_content("#legend-force")
+    assert re.search(r"; peak if contacts yield at 1\.6 Y: the same(;|$)", legend), legend
 
 
 @pytest.mark.long

@@ -262,7 +262,7 @@ export class Controls extends Fields {
   materialField(key) {
     const own = Object.keys(this.document.materials ?? {}), names = [...this.about.materials, ...own];
     const value = this.chain.materials, several = Array.isArray(value);
-    const choices = /** @type {[string, string][]} */ ([["", "scaled, no material"], ...names.map((each) => [each, each]), ...(several ? [["several", "several"]] : [])]);
+    const choices = /** @type {[string, string][]} */ ([["", "scaled, no material"], ...choicesOf(names), ...(several ? [["several", "several"]] : [])]);
     const select = this.select("chain.materials", "material", choices, () => (several ? "several" : at(this.document, ["chain", "materials"]) ?? ""), (chosen) => this.changeMaterial(chosen), key.description);
     return several ? make("div", {}, select, this.listField(["chain", "materials"], key, "of each bead")) : select;
   }
@@ -302,7 +302,7 @@ export class Controls extends Fields {
     if (!this.si) return make("span", { hidden: true });
     if (key.per) return this.listField(place, key, words(key.name));
     const like = place.includes("struck_by") ? "as the first ball" : place.includes("right_wall") ? "as the last bead" : place.includes("left_wall") ? "as the first bead" : "as the beads";
-    return this.select(place.join("."), words(key.name), [["", like], ...names.map((each) => /** @type {[string, string]} */ ([each, each]))],
+    return this.select(place.join("."), words(key.name), [["", like], ...choicesOf(names)],
       () => at(this.document, place) ?? "", (chosen) => this.put(place, chosen || undefined), key.description);
   }
 

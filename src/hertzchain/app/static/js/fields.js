@@ -22,10 +22,10 @@ export function make(tag, properties = {}, ...children) {
 }
 
 /** @param {string} name */
-export const words = (name) => name.replace(/[_-]/g, " ");
+export const words = (name) => name.replaceAll("_", " ");
 
 /** @param {string[]} names @returns {[string, string][]} */
-export const choicesOf = (names) => names.map((each) => [each, words(each)]);
+export const choicesOf = (names) => names.map((each) => [each, each]);
 
 /** @param {string} text @param {() => void} onclick @param {Record<string, string>} [more] */
 export const button = (text, onclick, more) => make("button", { type: "button", className: "small", onclick, ...more }, text);

@@ -220,12 +220,12 @@ export class Views {
       const [faint, label] = i < traces.length ? ["", mine + each.label] : [" faint", their + each.label];
       /** @type {any} */
       let last;
-      const notes = each.shown.map(([what, force, time]) => {
+      const notes = each.shown.map(([what, force, time], nth) => {
         if (last === time && time !== null) return `the ${what}`;
         last = time;
         const text = `${what} ${full(force * factor)} ${unit}`;
-        if (time === null) return text;
-        // A short peak may be between saved times.
+        if (time === null) return nth === 1 && full(force) === full(each.shown[0][1]) ? `${what}: the same` : text;
+        // It may be between saved times.
         const next = Math.ceil(placeAt(x, time) * (x.length - 1));
         x.splice(next, 0, time);
         y.splice(next, 0, force);

@@ -190,7 +190,7 @@ class ChainBuilders(ChainFields):
         Parameters
         ----------
         radii : array_like
-            Radius of each bead [m], struck bead first; or one for all.
+            Radius of each bead [m], not its diameter, struck bead first; or one for all.
         materials : str, Material or sequence of them
             A material or its name in the catalogue, for all beads or for each.
         diameters : array_like, optional

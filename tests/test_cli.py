@@ -840,6 +840,15 @@ def test_the_coefficients_of_a_reflection_are_printed(run):
     code, _, err = run("simulate", "--beads", 60, "--until", 5, "--reflection", "25:40")
     assert code == 1
     assert "no wave towards contact 40 passes contact 25" in err
+    for contacts, said in (
+        ("25:200", "AFTER in --reflection must be a whole number from 0 to 60, got 200"),
+        ("45:45", "BEFORE and AFTER in --reflection must be two contacts, got 45 twice"),
+        ("45:wall", "the chain has no wall; add --wall MATERIAL"),
+    ):
+        # Before the run, which would print a summary.
+        code, out, err = run("simulate", "--beads", 60, "--reflection", contacts)
+        assert (code, out) == (2, "")
+        assert said in err
 
 
 @pytest.mark.parametrize(

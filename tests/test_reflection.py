@@ -130,10 +130,28 @@ def test_coefficients_of_dimers_that_depend_on_the_end_of_the_count_are_announce
 
 def test_contacts_near_an_interface_are_announced():
     run = hc.simulate(interface(2.0), until=140.0, times=1500)
-    with pytest.warns(hc.InputWarning, match="contacts 59 and 61 are 2 apart, but a wave extends"):
-        near = run.reflection(59, 61)
-    # The waves overlap there, so that the result differs.
-    assert abs(near.reflected_energy / run.reflection(50, 75).reflected_energy - 1.0) > 0.01
+    with pytest.warns(hc.InputWarning, match="contacts 58 and 61 are 3 apart, but a wave extends"):
+        near = run.reflection(58, 61)
+    assert near.reflected_energy == pytest.approx(run.reflection(50, 75).reflected_energy, abs=0.02)
+    # Between its two contacts, a heavy bead would not reflect at all.
+    with pytest.raises(hc.InputError, match="before and after must be at least 3 contacts apart"):
+        run.reflection(59, 61)
+
+
+def test_a_wave_that_has_not_returned_is_announced_with_the_result():
+    """Without `until`, the run ends when the pulse has left the chain."""
+    masses = np.ones(80)
+    masses[71] = 0.5
+    chain = hc.Chain.uniform(80).replace(masses=masses)
+    run = hc.simulate(chain, times=1500)
+    with pytest.warns(hc.IncompleteWarning, match="reflected energy, 0.0000, is not complete"):
+        found = run.reflection(20, 75)
+    with ignore_warnings():
+        later = hc.simulate(chain, until=200.0, times=3200).reflection(20, 75)
+    more = found.energy_on_its_way[0]
+    assert 0.8 * more < later.reflected_energy <= more
+    for shown in (repr(found), found._repr_html_()):
+        assert f"0.0000 (up to {more:.4f} more)" in " ".join(shown.split())
 
 
 def test_the_tail_that_losses_leave_behind_a_wave_does_not_end_the_count():
@@ -292,11 +310,13 @@ def test_the_wall_has_a_name_and_contacts_next_to_it_cause_a_warning():
     assert (named.after, named.reflected_energy) == (40, numbered.reflected_energy)
     assert not named.overlapping
     assert "overlap" not in repr(named)
-    with pytest.warns(hc.InputWarning, match="contact 39 is 1 from the end .* wall itself, 40$"):
-        near = run.reflection(25, 39)
+    with pytest.raises(hc.InputError, match="next to the wall, .* give the wall itself, 40$"):
+        run.reflection(25, 39)
+    with pytest.warns(hc.InputWarning, match="contact 38 is 2 from the end .* wall itself, 40$"):
+        near = run.reflection(25, 38)
     assert near.overlapping
     assert "; the waves overlap;" in repr(near)
-    assert "Contact 39 is 1 from the end of the chain" in near._repr_html_()
+    assert "Contact 38 is 2 from the end of the chain" in near._repr_html_()
     free = hc.simulate(hc.Chain.uniform(40), until=60.0, times=1500)
     with pytest.warns(hc.InputWarning, match="at least 5 from the end$"):
         free.reflection(20, 39)

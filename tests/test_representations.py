@@ -12,10 +12,18 @@ import hertzchain as hc
 from hertzchain.app.wording import chain_in_words
 from hertzchain.chain.drives import SineBurst, StepDrive, TableDrive
 from hertzchain.evaluation import Case, paper_cases
+from hertzchain.notebook.drawing import numbers, table
 from hertzchain.paper import errata, reproduce, reproduce_figure, reproduce_table
 from hertzchain.plotting.titles import chain_words
 from hertzchain.recorded_warnings import ignore_warnings
-from hertzchain.representation import MAX_LINES, MAX_WIDTH, measure, percent, short
+from hertzchain.representation import (
+    MAX_LINES,
+    MAX_WIDTH,
+    measure,
+    percent,
+    short,
+    without_negative_zeros,
+)
 from hertzchain.sweeps.axes import Axis
 from hertzchain.sweeps.specification import read_specification
 from hertzchain.theory import RatioCorrection
@@ -505,3 +513,11 @@ def test_labels_of_compared_pulses_name_the_odd_bead():
     axes = hc.plot_pulses([hc.propagate(chain) for chain in (slow, *rows)])
     labels = legend_texts(axes)
     assert labels[1:3] == ["except ball 5 (18 mm brass)", "except ball 5 (16 mm brass)"]
+
+
+def test_numbers_rounded_to_zero_have_no_sign():
+    text = "kept -0.0000, from -0.01 to -0 m/s, (-0.00), 1e-05, 2-0 -0.5"
+    assert (
+        without_negative_zeros(text) == "kept 0.0000, from -0.01 to 0 m/s, (0.00), 1e-05, 2-0 -0.5"
+    )
+    assert "-0.0000" not in numbers({"momentum kept": "-0.0000"}) + table(["a"], [["-0.0000"]])

@@ -32,6 +32,8 @@ NO_BREAK: Final = "\N{NO-BREAK SPACE}"
 KEPT_TOGETHER: Final = re.compile(
     r" (?==)|(?<==) |(?<=\d) (?=(?:m/s|[kmun]?N s|kg|Hz|[um]s|[smNJ])\b)"
 )
+# The sign of a number that was rounded to zero.
+NEGATIVE_ZERO: Final = re.compile(r"(?<![\w.])-(?=0(?:\.0+)?(?![\w.]*\d))")
 # Units of signals without calibration and of their gains.
 IN_VOLTS: Final = ("V", "V/N", "V s/m")
 # Spaces around the sign between a value and its error, and before units of sensors.
@@ -52,7 +54,13 @@ def short(name: str, about: str, *facts: str) -> str:
 
 
 def _joined(name: str, about: str, facts: Sequence[str]) -> str:
-    return f"{name}({': '.join(part for part in (about, '; '.join(facts)) if part)})"
+    told = ": ".join(part for part in (about, "; ".join(facts)) if part)
+    return f"{name}({without_negative_zeros(told)})"
+
+
+def without_negative_zeros(text: str) -> str:
+    """A text of numbers in which those rounded to zero have no sign: 0.0000, not -0.0000."""
+    return NEGATIVE_ZERO.sub("", text)
 
 
 def wrapped(text: str) -> str:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, Final, TypeAlias
 
 import click
 
 if TYPE_CHECKING:
+    from ..chain.chain import Chain
     from ..simulation.run import Run
 
 Contacts: TypeAlias = tuple[int, int | str]
@@ -16,6 +18,9 @@ COEFFICIENTS: Final = (
     "reflected_force", "transmitted_force", "kept_energy", "kept_momentum", "entered_energy",
     "unexplained_energy",
 )  # fmt: skip
+
+# Parts of the value of the option, as in its help.
+PARTS: Final = ("BEFORE", "AFTER")
 
 
 class TwoContacts(click.ParamType):  # type: ignore[type-arg]
@@ -41,6 +46,17 @@ reflection_option = click.option(
     "and transmitted between these two contacts, such as 50:75; AFTER can be 'wall'.  Give "
     "--until so late that the reflected wave has passed BEFORE.",
 )
+
+
+def check_reflection(contacts: Contacts | None, chains: Iterable[Chain]) -> None:
+    """Raise `InputError` before a run if a chain does not have the contacts."""
+    from ..simulation.contact_pairs import separate_contacts
+
+    if contacts is None:
+        return
+    before, after = contacts
+    for chain in chains:
+        separate_contacts(chain, before, after, PARTS, " in --reflection")
 
 
 def reflection_in_words(run: Run, contacts: Contacts) -> str:

@@ -24,7 +24,7 @@ from .options import (
 from .output import save_figure, show_json, show_table
 from .peaks_over_impacts import drawn_over_impacts, nothing_to_plot
 from .progress import progress_bar
-from .reflections import Contacts, reflection_option
+from .reflections import Contacts, check_reflection, reflection_option
 from .repeated_impacts import chains_at_impacts
 from .run_summary import peaks_if_yielding, run_as_dict, show_run, together
 from .stream import check_stream_options, stream_into
@@ -230,6 +230,7 @@ def simulate(
     if len(chains) > 1 and (out or forces or animation or stream):
         raise click.UsageError(SINGLE)
     check_hits(hits, chains.values())
+    check_reflection(reflection, chains.values())
     beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
         (chain,) = chains.values()

@@ -32,6 +32,8 @@ WORDINGS: Final = (
      r"use loss = {law = 'elastic-plastic', factor = \1} in the chain file"),
     (r"\b(omit (?:it|them|the walls?)): chain\.replace\([^)]*\)", r"\1"),
     (r"^--wall must be same, rigid, (?=a material)", "--wall must be same, rigid, none, "),
+    (r"^the chain has no (right )?wall; add a right_wall$",
+     r"the chain has no \1wall; add --wall MATERIAL"),
     (r"\bomit the wall (?=behind a free body)", "omit the wall (--wall none) "),
     (r"\bloss=None\b", "no loss"),
     (r"\buse Wall\.rigid\(\)", "use --wall rigid, or rigid = true in the chain file"),

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..collision import Array
-from ..representation import without_exponent
+from ..representation import without_exponent, without_negative_zeros
 
 COLOURS: Final = ("#3d85c6", "#d46a12", "#3a9d6e", "#9b6bc4", "#d2504c", "#8a8a8a")
 WIDTH: Final = 640
@@ -98,11 +98,15 @@ def sentence(text: str, names: Collection[str] = ()) -> str:
     return f"{text if typed else text[:1].upper() + text[1:]}." if text else ""
 
 
+def _shown(number: str) -> str:
+    return escape(without_negative_zeros(number))
+
+
 def numbers(values: Mapping[str, str]) -> str:
     """Numbers in rows, each below its name."""
     items = "".join(
         f'<div><dt style="{FAINT};margin:0">{escape(name)}</dt>'
-        f'<dd style="margin:0;font-variant-numeric:tabular-nums">{escape(value)}</dd></div>'
+        f'<dd style="margin:0;font-variant-numeric:tabular-nums">{_shown(value)}</dd></div>'
         for name, value in values.items()
     )
     return f'<dl style="display:flex;flex-wrap:wrap;gap:4px 16px;margin:4px 0">{items}</dl>'
@@ -113,7 +117,7 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], *, numeric: bool =
 
     def cell(tag: str, column: int, text: str, style: str) -> str:
         side = "right" if numeric and column else "left"
-        return f'<{tag} style="{CELL};text-align:{side};{style}">{escape(text)}</{tag}>'
+        return f'<{tag} style="{CELL};text-align:{side};{style}">{_shown(text)}</{tag}>'
 
     top = "".join(cell("th", i, text, FAINT) for i, text in enumerate(head))
     cells = (

@@ -109,10 +109,16 @@ def reflection_html(found: Reflection) -> str:
     """The incident wave, and the reflected and transmitted parts of it."""
     units, incident = found.chain.units, found.incident
     rows = [
-        (name, f"{len(events)}", f"{energy:.4f}", found._momentum_in_words(name), f"{force:.4f}")
-        for name, events, energy, force in (
-            ("reflected", found.reflected, found.reflected_energy, found.reflected_force),
-            ("transmitted", found.transmitted, found.transmitted_energy, found.transmitted_force),
+        (
+            name,
+            f"{len(events)}",
+            found._energy_in_words(name),
+            found._momentum_in_words(name),
+            f"{force:.4f}",
+        )
+        for name, events, force in (
+            ("reflected", found.reflected, found.reflected_force),
+            ("transmitted", found.transmitted, found.transmitted_force),
         )
     ]
     shown = {

@@ -11,7 +11,8 @@
   `hits`;
 - the leading pulse: `run_pulse`, `leading_pulse`, `pulse_width`, `tail`, `missing_values`;
 - waves: `waves`, `find_waves`, `wave_events`, `wave_samples`, `unlisted_energy`, `reflection`,
-  `find_reflection`, `energy_on_its_way`, `energy_flux`, `energy_balance`, `fronts`;
+  `find_reflection` between `contact_pairs`, `energy_on_its_way`, `energy_flux`, `energy_balance`,
+  `fronts`;
 - single beads: `velocity_peaks`, `sensor_force`, `sensor_curve`, `touches`, `sensor_passages`,
   `body_peak`, `body_force` with `resolved_body`, and the rule for its complete peak in
   `body_watch`, with the bound in `body_bound`;

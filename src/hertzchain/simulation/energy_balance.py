@@ -9,13 +9,12 @@ from typing import Final
 
 import numpy as np
 
-from ..chain.bead_names import wall_number
 from ..chain.chain import Chain
 from ..collision import Array
-from ..errors import InputError, SimulationError
+from ..errors import SimulationError
 from ..representation import measure, short
 from ..validation.keywords import checked_methods
-from ..validation.numbers import whole_number
+from .contact_pairs import pair_of_contacts
 
 # Neighbouring contacts at which the returned energy is evaluated, too.
 NEARBY: Final = 6
@@ -99,11 +98,7 @@ def balance_of(
 ) -> EnergyBalance:
     """The balance between two contacts, from the energy to the right and to the left."""
     beads = chain.beads
-    first = whole_number("before", before, least=1, most=beads - 1)
-    wall = wall_number(chain, after)
-    second = whole_number("after", after if wall is None else min(wall, beads), least=0, most=beads)
-    if first == second:
-        raise InputError(f"before and after must be two contacts, got {first} twice")
+    first, second = pair_of_contacts(chain, before, after)
     sign = 1 if second > first else -1
     there, back = flows[::sign]
     incident = float(there[first - 1])

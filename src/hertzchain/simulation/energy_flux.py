@@ -152,6 +152,12 @@ def energy_flux_of(self: Trajectory) -> EnergyFlux:
     --------
     Run.reflection : Coefficients of single waves of compression, and the waves themselves.
 
+    Notes
+    -----
+    The powers are quintic splines through the saved times.  With 8 of them during the strongest
+    wave, which are required, the energies have errors of about 1e-4 of the largest one, and with
+    twice as many, of 2e-5: weaker waves behind a pulse are shorter.
+
     Examples
     --------
     >>> import hertzchain as hc

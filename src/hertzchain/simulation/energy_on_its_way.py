@@ -12,9 +12,6 @@ from .reflection import Reflection
 from .trajectory import Trajectory
 from .wave_events import largest_force_of, static_forces_of
 
-# Energy that may be on its way to a contact, relative to the energy counted there and, at least,
-# to the incident energy: slow beads behind a pulse have a few times 1e-4 for a long time.
-COMING, LEAST = 0.05, 5e-4
 # Forces of open contacts, relative to the largest force of the run: rounding errors.
 ROUNDING: Final = 1e-9
 NAMES: Final = ("reflected", "transmitted")
@@ -36,14 +33,13 @@ def energy_between(run: Trajectory, first: int, second: int, times: Array) -> Ar
     return _energies(run, first, second, times).sum(axis=1)
 
 
-def incomplete(run: Trajectory, found: Reflection) -> Incomplete | None:
+def incomplete(found: Reflection) -> Incomplete | None:
     """The coefficient that would be larger by a relevant part if the run were longer."""
-    contacts, coming = (found.before, found.after), _coming(run, found)
+    contacts, coming = (found.before, found.after), found.energy_on_its_way
     counted = (found.reflected_energy, found.transmitted_energy)
     parts = zip(NAMES, contacts, counted, coming, reversed(coming), strict=True)
     for name, contact, energy, more, away in parts:
-        # Weak waves that entered in front of the object leave it as well.
-        if more > max(COMING * energy, LEAST) + found.entered_energy:
+        if found._energy_coming(name):
             return Incomplete(name, contact, energy, more, away)
     return None
 
@@ -75,8 +71,8 @@ def _separated(run: Trajectory, found: Reflection) -> np.ndarray[tuple[int], np.
     return apart[low:high]
 
 
-def _coming(run: Trajectory, found: Reflection) -> tuple[float, float]:
-    """Energy on its way to ``before`` and to ``after`` at the end, over the incident energy.
+def energy_on_its_way(run: Trajectory, found: Reflection) -> tuple[float, float]:
+    """Energy that moves towards ``before`` and ``after`` at the end, over the incident energy.
 
     Without precompression, the beads of a wave move in its direction.
     """

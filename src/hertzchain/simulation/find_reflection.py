@@ -8,20 +8,20 @@ from typing import Final
 
 import numpy as np
 
-from ..chain.bead_names import wall_number
 from ..chain.chain import Chain
-from ..errors import IncompleteWarning, InputError, InputWarning, SimulationError, warn_user
+from ..errors import IncompleteWarning, InputWarning, SimulationError, warn_user
 from ..representation import measure
-from ..validation.numbers import number, whole_number
+from ..validation.numbers import number
+from .contact_pairs import separate_contacts
 from .energy_on_its_way import (
-    LEAST,
     Incomplete,
     energy_between,
+    energy_on_its_way,
     incomplete,
     momentum_on_its_way,
     separated_energy,
 )
-from .reflection import Reflection, least_distance
+from .reflection import LEAST, Reflection, least_distance
 from .trajectory import Trajectory
 from .wave_events import (
     ContactCurves,
@@ -81,8 +81,8 @@ def reflection_of(
     Raises
     ------
     InputError
-        If there are no such contacts, or fewer than 8 times were saved during the passage
-        of one of the waves.
+        If there are no such contacts, they are less than 3 apart or ``after`` is next to a wall,
+        or fewer than 8 times were saved during the passage of one of the waves.
     SimulationError
         If no wave towards ``after`` passes the contact ``before``, or another wave enters
         before it has passed.  Also if rarefactions, which are not counted, carry more than 1% of
@@ -93,7 +93,8 @@ def reflection_of(
     InputWarning
         If a coefficient of energy depends on ``until`` (`Reflection.late_energy`), as in dimers,
         in which weak waves follow the incident one.
-        If the contacts are less than 10 apart, or less than 5 from a wall or free end.
+        If the contacts are less than 10 apart, or less than 5 from a wall or free end: in rows of
+        equal beads with a step or an odd bead, R and T then differ by up to 0.02.
         If more than 5% of the incident energy is missing from the balance, because of other
         waves; if ``missing_momentum`` exceeds 5%.
         If beads that have separated and fly away from a free end have more than 5% of the
@@ -113,6 +114,11 @@ def reflection_of(
     EnergyFlux.balance : Balance of all waves, where a single one cannot be separated, as in most
         dimers and in precompressed or strongly disordered chains.
 
+    Notes
+    -----
+    Forces and powers are quintic splines through the saved times.  With 8 of them during each
+    wave, which are required, energies and momenta differ by less than 1e-8 from those with more.
+
     Examples
     --------
     The last 60 beads have twice the radius of the first:
@@ -124,12 +130,7 @@ def reflection_of(
     >>> f"R = {found.reflected_energy:.3f}, T = {found.transmitted_energy:.3f}"
     'R = 0.523, T = 0.476'
     """
-    beads = self.chain.beads
-    first = whole_number("before", before, least=1, most=beads - 1)
-    wall = wall_number(self.chain, after)
-    second = whole_number("after", after if wall is None else min(wall, beads), least=0, most=beads)
-    if first == second:
-        raise InputError(f"before and after must be two contacts, got {first} twice")
+    first, second = separate_contacts(self.chain, before, after)
     unit = self.chain._unit("s")
     begin = number("since", since, unit=unit)
     stop = np.inf if until is None else number("until", until, unit=unit, above=begin)
@@ -151,6 +152,7 @@ def reflection_of(
     _check_count(self, found)
     found = dataclasses.replace(
         found,
+        energy_on_its_way=energy_on_its_way(self, found),
         momentum_on_its_way=momentum_on_its_way(self, found),
         separated_energy=separated_energy(self, found),
     )
@@ -160,7 +162,7 @@ def reflection_of(
     near_object = found._overlap
     depends = _dependence(found, nearby)
     other = _other_waves(found)
-    late = "" if other else _on_the_way(self, found, known=bool(near_object or depends))
+    late = "" if other else _on_the_way(found, known=bool(near_object or depends))
     if late:
         warn_user(late, InputWarning if found.disturbed else IncompleteWarning)
     momentum = "" if other or late else _missing_in_waves(found)
@@ -403,7 +405,7 @@ def _growing(found: Reflection) -> str:
     )
 
 
-def _on_the_way(run: Trajectory, found: Reflection, *, known: bool) -> str:
+def _on_the_way(found: Reflection, *, known: bool) -> str:
     """Which energy has not passed a contact yet, or ''.
 
     If another wave ends the count, weak waves are not mentioned where a larger error is known.
@@ -414,7 +416,7 @@ def _on_the_way(run: Trajectory, found: Reflection, *, known: bool) -> str:
             f"{moving:.0%} of the incident energy is still between the contacts at "
             f"{_time(found.chain, found.until)}; {_later(found)}"
         )
-    if not (known and found.disturbed) and (part := incomplete(run, found)):
+    if not (known and found.disturbed) and (part := incomplete(found)):
         return (
             f"the {part.name} energy, {part.counted:.4f}, is not complete: waves with "
             f"{part.coming:.4f} of the incident energy are still on their way to contact "

@@ -25,6 +25,9 @@ WIDE: Final = 5e-3
 SLOW, LEAST_SLOW = 0.1, 0.02
 # The same, above which it is part of the representation.
 SHOWN_SLOW, LEAST_SHOWN = 0.01, 0.002
+# Energy that may be on its way to a contact, relative to the energy counted there and, at least,
+# to the incident energy: slow beads behind a pulse have a few times 1e-4 for a long time.
+COMING, LEAST = 0.05, 5e-4
 # Number of contacts over which a wave extends.
 WIDTH: Final = 5
 
@@ -77,6 +80,11 @@ class Reflection(Compared):
         incident energy: of at most 5% in total before the incident wave had left, and waves of
         less than 1% each at any time.  It leaves with the counted waves, which limits the error of
         the coefficients of energy to this size.
+    energy_on_its_way : tuple of float
+        Energy of the beads between the contacts that move towards ``before`` and towards
+        ``after`` at ``until``, relative to the incident energy.  Where it exceeds 5% of
+        `reflected_energy` or `transmitted_energy`, the coefficient is printed with it, such as
+        ``0.0000 (up to 0.0235 more)``: the wave has not passed the contact yet.
     momentum_on_its_way : tuple of float
         Momentum of the beads between the contacts that move towards ``before`` and towards
         ``after`` at ``until``, relative to the incident momentum.  If it exceeds 10% of
@@ -114,6 +122,7 @@ class Reflection(Compared):
     separated_energy: float = 0.0
     missing_momentum: float = 0.0
     entered_energy: float = 0.0
+    energy_on_its_way: tuple[float, float] = (0.0, 0.0)
     momentum_on_its_way: tuple[float, float] = (0.0, 0.0)
     nearby_energy: tuple[float, float] = (math.nan, math.nan)
 
@@ -222,6 +231,19 @@ class Reflection(Compared):
             for name, events in parts.items()
         }
 
+    def _energy_coming(self, part: str) -> float:
+        """Energy on its way to the contact of a part, if it is relevant; 0 otherwise."""
+        coming = self.energy_on_its_way[part == "transmitted"]
+        counted = self.transmitted_energy if part == "transmitted" else self.reflected_energy
+        # Weak waves that entered in front of the object leave it as well.
+        return coming if coming > max(COMING * counted, LEAST) + self.entered_energy else 0.0
+
+    def _energy_in_words(self, part: str) -> str:
+        """Such as ``0.5227`` or, of waves that have not passed, ``0.0000 (up to 0.0235 more)``."""
+        energy = self.transmitted_energy if part == "transmitted" else self.reflected_energy
+        more = self._energy_coming(part)
+        return f"{energy:z.4f}" + (f" (up to {more:.4f} more)" if more else "")
+
     def _coming(self, part: str, relative: float = SLOW, least: float = LEAST_SLOW) -> float:
         """Momentum on its way to the contact of a part, if it is relevant; 0 otherwise."""
         coming = self.momentum_on_its_way[part == "transmitted"]
@@ -247,7 +269,7 @@ class Reflection(Compared):
         more = self._coming(part, SHOWN_SLOW, LEAST_SHOWN)
         state = f" (up to {more:.4f} more)" if more else ""
         state = " (not complete)" if self._coming(part) else state
-        return f"{self._momenta[part]:.4f}{state}"
+        return f"{self._momenta[part]:z.4f}{state}"
 
     @property
     def _nearby(self) -> str:
@@ -298,7 +320,7 @@ class Reflection(Compared):
 
     @property
     def _unexplained(self) -> str:
-        shown = f", unexplained {self.unexplained_energy:.4f}"
+        shown = f", unexplained {self.unexplained_energy:z.4f}"
         return shown if abs(self.unexplained_energy) > SHOWN else ""
 
     def _repr_html_(self) -> str:
@@ -312,15 +334,18 @@ class Reflection(Compared):
         ended = "another wave entered" if self.disturbed else "nothing else entered"
         if self.entered_energy > SHOWN:
             ended = f"waves with energy {self.entered_energy:.4f} entered"
-        end = measure(self.until, "s", self.chain.units)
+        end, near = measure(self.until, "s", self.chain.units), self._nearby
+        reflected = self._energy_in_words("reflected")
+        if near:
+            reflected = f"{self.reflected_energy:.4f}{near}"
         return [
             f"contacts {self.before} to {self.after}, until t = {end}, {ended}",
             f"energy kept {self.kept_energy:z.4f}{self._separated}{self._unexplained}",
-            f"reflected energy {self.reflected_energy:.4f}{self._nearby}, "
+            f"reflected energy {reflected}, "
             f"momentum {self._momentum_in_words('reflected')}, "
             f"{counted(len(self.reflected), 'wave')}"
             f"{'; the waves overlap' if self.overlapping else ''}",
-            f"transmitted energy {self.transmitted_energy:.4f}, "
+            f"transmitted energy {self._energy_in_words('transmitted')}, "
             f"momentum {self._momentum_in_words('transmitted')}, "
             f"{counted(len(self.transmitted), 'wave')}",
             f"momentum kept {self.kept_momentum:z.4f}",

@@ -65,7 +65,10 @@ def test_symbols_of_later_curves_surround_those_of_earlier_ones_at_the_same_end(
     axes = hc.plot_pulses(pulses)
     ends = {line.get_marker(): line for line in axes.lines if np.size(line.get_xdata()) == 1}
     circle, cross, square = (ends[each] for each in "oxs")
-    assert square.get_markersize() > 1.3 * circle.get_markersize()
+    assert square.get_markersize() > 1.5 * circle.get_markersize()
+    # A pale edge separates symbols of the same colour.
+    assert {each.get_markeredgecolor() for each in (circle, square)} == {"white"}
+    assert cross.get_markeredgecolor() == cross.get_color()
     assert square.get_zorder() < circle.get_zorder() < cross.get_zorder()
     dimers = hc.plot_pulses([hc.propagate(hc.Chain.dimer(m, beads=41)) for m in (0.3, 0.5)])
     first, second = [line for line in dimers.lines if np.size(line.get_xdata()) == 1]

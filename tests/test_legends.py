@@ -374,3 +374,21 @@ def test_wide_legends_keep_a_distance_from_the_edge_of_their_figure():
     # The widest one in two columns, and the first one in a column.
     assert min(distances) >= 0.9
     assert min(distances) < 5.0 < max(distances)
+
+
+@pytest.mark.parametrize("given", [False, True])
+def test_the_curves_of_a_chain_are_in_one_column_of_a_legend(given):
+    chains = [hc.Chain.tapered(ratio=each, beads=30) for each in (0.5, 0.25)]
+    pulses = [each(chain) for chain in chains for each in (hc.propagate, hc.bca, hc.local_rate)]
+    labels = [f"taper to {each}, {i}" for each in ("1/2", "1/4") for i in range(3)]
+    with hc.figure_style("single column"):
+        axes = hc.plot_pulses(pulses, "momentum", labels=labels if given else None)
+        axes.figure.draw_without_rendering()
+    columns = {}
+    for text in axes.get_legend().get_texts():
+        columns.setdefault(round(text.get_window_extent().x0), []).append(text.get_text())
+    first, second = columns.values()
+    if given:
+        assert (first, second) == ([*labels[:3], "last bead (free end)"], labels[3:])
+    else:
+        assert second == ["propagation", "BCA", "local-rate law"]

@@ -37,6 +37,23 @@ def test_one_chain_is_not_plural():
     assert repr(hc.propagate_many([hc.Chain.uniform(3)])).startswith("PulseTable(1 chain of")
 
 
+def test_tables_of_chains_have_the_range_and_mean_at_the_last_beads():
+    chains = [hc.Chain.uniform(n).replace(right_wall=hc.Wall()) for n in (4, 8)]
+    table = hc.simulate_many(chains, keep=["velocity", "wall_peak_force", "peak_force"])
+    pulses = hc.propagate_many([[1.0, 1.0, 1.0], [1.0, 2.0]])
+    for found, name, ends in (
+        (table, "velocity of the last bead", [table["velocity"][0, 3], table["velocity"][1, 7]]),
+        (table, "peak_force of the last contact",
+         [table["peak_force"][0, 2], table["peak_force"][1, 6]]),
+        (table, "wall_peak_force", table["wall_peak_force"]),
+        (pulses, "velocity of the last bead", [pulses.velocity[0, 2], pulses.velocity[1, 1]]),
+    ):  # fmt: skip
+        told = f"{name} {min(ends):.4g} to {max(ends):.4g}, mean {sum(ends) / 2:.4g}"
+        assert told in " ".join(repr(found).split())
+    early = hc.simulate_many(chains, keep="wall_peak_force", until=1.0)
+    assert ", 2 incomplete: wall_peak_force not known" in repr(early)
+
+
 def test_titles_of_tables_are_complete(run):
     done = run("pulse", *ROW, "--cap", "5 g", "--wall", "5 kN/mm", "--striker", "10 g",
                "--method", "simulate")  # fmt: skip

@@ -121,6 +121,18 @@ def measure(value: float, unit: str, units: str = "SI", digits: int = 4) -> str:
     return f"{text} {prefixed}"
 
 
+def range_and_mean(values: Sequence[float], unit: str, units: str = "SI") -> str:
+    """``1.2 to 1.4, mean 1.3``: the range and mean of finite values, or the only value."""
+    known = [value for value in values if math.isfinite(value)]
+    if not known:
+        return "not known"
+    low, high, mean = (
+        measure(each, unit, units if unit != "1" else "scaled")
+        for each in (min(known), max(known), math.fsum(known) / len(known))
+    )
+    return low if low == high else f"{low} to {high}, mean {mean}"
+
+
 def shown_signal(value: float, unit: str, digits: int = 3) -> str:
     """A value of a signal or a gain; small ones of sensors without calibration in mV."""
     factor, unit = usual_unit(value, unit) if unit in IN_VOLTS else (1.0, unit)

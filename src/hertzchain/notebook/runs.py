@@ -43,7 +43,6 @@ def run_html(run: Run) -> str:
     found = {
         "status": run.status,
         "end time": engineering(run.end_time, "s", units),
-        "time of run.state": engineering(run.state.time, "s", units),
         "beads passed": f"{run.beads_passed} of {run.chain.beads - run.chain.strikers}",
         "saved times": f"{len(run.times)}",
         "steps": f"{run.steps}",

@@ -30,8 +30,10 @@ LONGER: Final = 1.5
 # Size of a star, relative to other symbols, and growth of those of later curves, which are behind
 # those of earlier ones, up to a largest size.
 STAR: Final = 1.5
-GROWTH, MAX_SIZE = 0.4, 2.0
+GROWTH, MAX_SIZE = 0.8, 2.6
 FILLED: Final = tuple(each for each in MARKERS if each in Line2D.filled_markers)
+# Width [points] of the edge around a symbol.
+PALE_EDGE: Final = 0.6
 # A symbol of a bead beyond the axis is named this far [points] from the edge.
 EDGE: Final = 2.0
 
@@ -72,10 +74,18 @@ def end_style(marker: str, symbol: int = 0) -> dict[str, Any]:
     """
     rank = symbol if marker == END_SYMBOL else FILLED.index(marker) if marker in FILLED else -1
     size = (STAR if marker == END_SYMBOL else 1.0) * min(1.0 + GROWTH * max(rank, 0), MAX_SIZE)
-    return {
+    style = {
         "marker": marker, "linestyle": "none", "zorder": 2.5 - 0.01 * rank,
         "markersize": rcParams["lines.markersize"] * size,
     }  # fmt: skip
+    if rank < 0:
+        return style
+    # A pale edge separates symbols of one colour.
+    return {
+        **style,
+        "markeredgecolor": rcParams["axes.facecolor"],
+        "markeredgewidth": PALE_EDGE,
+    }
 
 
 def open_style(marker: str) -> dict[str, Any]:

@@ -19,13 +19,13 @@ from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox, ScaledTranslation
 
+from .legend_columns import NOTHING, in_whole_groups
+
 # Corners first.
 PLACES: Final = (
     "upper right", "upper left", "lower left", "lower right", "center left", "center right",
     "upper center", "lower center", "center",
 )  # fmt: skip
-# Symbols and lines that are not drawn.
-NOTHING: Final = ("None", "none", "", " ", None)
 # Distance [points] of a legend from data.
 CLEARANCE: Final = 2.0
 # Distance [points] of a legend from the left edge of its figure, with its own distance from axes.
@@ -361,6 +361,9 @@ def _above(axes: Axes, columns: int, compact: dict[str, Any], *, right: bool = F
         "loc": "lower right" if right else "lower left",
         "bbox_to_anchor": (float(right), 1.0),
     }
+    if "handles" not in compact:
+        handles, labels = axes.get_legend_handles_labels()
+        place["handles"], place["labels"] = in_whole_groups(handles, labels, columns)
     return axes.legend(ncols=columns, **{**COMPACT, **compact}, **place)
 
 

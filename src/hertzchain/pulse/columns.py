@@ -5,9 +5,13 @@ from __future__ import annotations
 from dataclasses import field
 from typing import Any, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..chain.scales import scale
 from ..collision import Array
 from ..frozen import Frozen
+from ..representation import range_and_mean
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice
 from .quantities import COLUMN_QUANTITIES, QUANTITIES, Quantity
@@ -102,3 +106,13 @@ def _derived_property(quantity: Quantity) -> property:
     return property(
         lambda item: derive(item, quantity), doc=f"{quantity.description}, of each {of}."
     )
+
+
+def over_chains(quantity: Quantity, values: Array, beads: NDArray[np.int64], units: str) -> str:
+    """Name, range and mean of a quantity of chains, at the last bead or contact of each."""
+    where = ""
+    if quantity.per in ("bead", "contact"):
+        where, last = f" of the last {quantity.per}", beads - 1 - (quantity.per == "contact")
+        rows = np.flatnonzero((last >= 0) & (last < values.shape[1]))
+        values = values[rows, last[rows]]
+    return f"{quantity.name}{where} {range_and_mean(values.ravel().tolist(), quantity.unit, units)}"

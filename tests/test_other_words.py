@@ -53,3 +53,23 @@ def test_unknown_materials_are_one_sentence():
 def test_a_width_of_figures_is_checked_at_once():
     with pytest.raises(hc.InputError, match="width must be 'single column' or"):
         hc.figure_style("three column")
+
+
+def test_attributes_of_runs_have_one_suggestion(monkeypatch):
+    run = hc.simulate(hc.Chain.uniform(3))
+    for item, name, said in (
+        (run, "peak", "; use pulse().peak_force at each contact, sensor_force(bead) or wall_f"),
+        (run, "wallforce", "; did you mean 'wall_force'?"),
+        (run, "zzz", ""),
+    ):
+        with pytest.raises(AttributeError) as caught:
+            getattr(item, name)
+        (line,) = traceback.format_exception_only(caught.value)
+        told = f"AttributeError: {type(item).__name__!r} object has no attribute {name!r}{said}"
+        assert line.startswith(told)
+        assert line.count("did you mean") <= 1
+    assert "Did you mean" not in line
+    # A property with an error of its own keeps it.
+    monkeypatch.setattr(hc.Run, "broken", property(lambda _: [].missing), raising=False)
+    with pytest.raises(AttributeError, match="'list' object has no attribute 'missing'"):
+        _ = run.broken

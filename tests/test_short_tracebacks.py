@@ -39,8 +39,13 @@ def test_the_traceback_has_the_lines_of_the_user_and_the_sentence():
 
 
 def test_runs_that_end_too_early_have_a_short_traceback():
-    out = shown(CELL, "run = hc.simulate(built(20), until=5.0)", "run.reflection(3, 12)")
+    cells = "run.reflection(3, 12)", "run.fource", "print(run.fource)"
+    out = shown(CELL, "run = hc.simulate(built(20), until=5.0)", *cells)
     assert "----> 1 run.reflection(3, 12)" in out
+    assert (
+        out.count("AttributeError: 'Run' object has no attribute 'fource'; did you mean 'force'?")
+        == 2
+    )
     assert "SimulationError: " in out
     assert "src/hertzchain" not in out
     out = shown("import hertzchain as hc", "raise hc.StoreError('the disk is full')")

@@ -41,7 +41,7 @@ class OtherNames:
 
 @lru_cache
 def _hint(kind: type, name: str) -> str:
-    """What to use instead of a name, or which one is similar."""
+    """The usual name for an unknown one, or a similar name, as a clause."""
     meant = MEANT.get(kind.__name__, {})
     if name in meant:
         return f"; use {meant[name]}"

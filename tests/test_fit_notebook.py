@@ -1,6 +1,7 @@
 """Views of traces, comparisons and fits in notebooks."""
 
 import re
+from html import unescape
 from xml.etree import ElementTree
 
 import numpy as np
@@ -8,10 +9,15 @@ import pytest
 from scipy_row import FREE, chain, recorded, traces
 
 import hertzchain as hc
-from hertzchain.notebook.drawing import sentence
+from hertzchain.notebook.drawing import escape, sentence
 
 pytestmark = pytest.mark.filterwarnings("ignore::hertzchain.errors.ModelRangeWarning")
 MAX_BYTES = 40_000
+
+
+def as_shown(text):
+    """A printed text with the signs of views."""
+    return unescape(escape(text))
 
 
 def parsed(item):
@@ -21,6 +27,11 @@ def parsed(item):
     assert not re.search(r"\b(nan|inf)\b", html)
     assert not re.search(r"(?:^|[;\"])color:(?!inherit)", html)
     root = ElementTree.fromstring(html)
+    # Signs are those of figures, not of printed text.
+    for text in root.itertext():
+        assert not re.search(r"\+-|(?:\d |[\d/\[(])u(?:[JNgmsV]|Pa)\b|(?:^|[\s(\[])-[\d.]", text), (
+            text
+        )
     return " ".join(" ".join(root.itertext()).split()), len(root.findall(".//svg"))
 
 
@@ -55,7 +66,7 @@ def test_comparisons_show_the_table_of_their_summary():
     text, figures = parsed(found)
     assert figures == 3
     for each in found.sensors:
-        assert " ".join((each.name, *each.cells)) in text
+        assert as_shown(" ".join((each.name, *each.cells))) in text
     assert "before the record ends" in text
     # Data in V and the scaled simulation begin at the level before the pulse.
     times, columns = recorded()
@@ -79,11 +90,11 @@ def test_fits_show_parameters_verdict_and_notes(result):
     assert f"{drawn} of {3 * samples} residuals are drawn; plot() shows all." in text
     assert result._repr_html_().count('fill="#8a8a8a" fill-opacity="0.25"') == 3
     for name, row in result.rows():
-        assert f"{name} {row}" in text
+        assert as_shown(f"{name} {row}") in text
     # Whether the model describes the data is stated first, as in the summary.
     verdict = result.verdict
     assert verdict in result.summary(width=None)
-    stated = text.index(f"{verdict[0].upper()}{verdict[1:]}.")
+    stated = text.index(as_shown(f"{verdict[0].upper()}{verdict[1:]}."))
     assert stated < text.index("residual / noise")
     wrong = hc.fit(traces(), chain(), free=["time_offset"], diagnose=False)
     assert "the model does not describe the data. The errors below have" in parsed(wrong)[0]
@@ -97,8 +108,8 @@ def test_fits_show_parameters_verdict_and_notes(result):
     names = {*result.names, *(each.name for each in result.constants)}
     typed = [note for note in result.warnings if note.split()[0] in names or "." in note.split()[0]]
     assert any(note.startswith("materials[") for note in typed)
-    assert all(note in text for note in typed)
-    assert all(note[1:] in text for note in result.warnings)
+    assert all(as_shown(note) in text for note in typed)
+    assert all(as_shown(note[1:]) in text for note in result.warnings)
 
 
 @pytest.mark.parametrize(
@@ -157,3 +168,13 @@ def test_forecasts_fits_and_comparisons_are_tables():
     assert [*rows.index] == [each.name for each in compared.sensors]
     assert rows.delay["wall"] == compared.sensors[-1].delay
     assert rows.residual.to_dict() == compared.differences
+
+
+def test_signs_are_those_of_figures():
+    for printed, shown in (
+        ("-3.5 +- 0.2 us, 2 N/um^1.5 [us]", "\N{MINUS SIGN}3.5 ± 0.2 µs, 2 N/µm^1.5 [µs]"),
+        ("(-1e-06 to 2e-07)", "(\N{MINUS SIGN}1e\N{MINUS SIGN}06 to 2e\N{MINUS SIGN}07)"),
+        # Ranges, words and code remain.
+        ("balls 3-5, steel-304, at='-1', x=-1, 2026-01-02, us", None),
+    ):
+        assert as_shown(printed) == (shown or printed)

@@ -32,6 +32,11 @@ def parsed(item):
     # The colours of text and axes are those of the page.
     assert not re.search(r"(?:^|[;\"])color:(?!inherit)", html)
     root = ElementTree.fromstring(html)
+    # Signs are those of figures, not of printed text.
+    for text in root.itertext():
+        assert not re.search(r"\+-|(?:\d |[\d/\[(])u(?:[JNgmsV]|Pa)\b|(?:^|[\s(\[])-[\d.]", text), (
+            text
+        )
     return root, " ".join(" ".join(root.itertext()).split())
 
 
@@ -209,7 +214,7 @@ def test_samples_of_a_fit_are_listed():
     samples = np.array([[1e-6], [3e-6]])
     text = parsed(hc.Posterior(("lag",), samples, 0.5, np.nan, 20, np.zeros(1), ("s",)))[1]
     assert "Posterior 2 samples" in text
-    assert "lag 2.0 +- 1.0 us" in text
+    assert "lag 2.0 ± 1.0 µs" in text
     assert "20 steps are too few" in text
 
 
@@ -399,7 +404,9 @@ def test_axes_have_four_numbers_or_more_that_do_not_overlap(height, log):
         assert all(b - a > 3.5 * (n + m) for (a, n), (b, m) in itertools.pairwise(columns))
 
 
-@pytest.mark.parametrize(("size", "label"), [(2e5, "1e5"), (3e-7, "2e-7"), (2e12, "1e12")])
+@pytest.mark.parametrize(
+    ("size", "label"), [(2e5, "1e5"), (3e-7, "2e\N{MINUS SIGN}7"), (2e12, "1e12")]
+)
 def test_powers_of_ten_have_no_zeros(size, label):
     root = ElementTree.fromstring(chart([Curve(np.arange(2.0), np.array([0.0, size]))], "x", "y"))
     assert label in [each.text for each in root.iter("text")]

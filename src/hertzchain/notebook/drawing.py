@@ -10,7 +10,7 @@ import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from html import escape
+from html import escape as escaped
 from typing import Final
 
 import numpy as np
@@ -32,6 +32,10 @@ FEW_POWERS: Final = 2
 MARGINS: Final = (64, 12, 10, 34)
 # No prefix: accelerations are compared with standard gravity.
 ACCELERATION: Final = "m/s^2"
+# Prefixes of units after a number, a slash or a bracket, or at the beginning of a text; and
+# numbers that are neither parts of words and ranges nor code.
+MICRO: Final = re.compile(r"(?:(?<=\d[ \xa0])|(?<=[\d/\[(])|(?<=\bin )|^)u(?=(?:[JNgmsV]|Pa)\b)")
+NUMBER: Final = re.compile(r"(?<![\w.=\"'-])-?(?:\d[\d.]*(?:e-?\d+)?|inf\b)(?![\w-])")
 PREFIXES: Final = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 FONT = "font-family:system-ui,-apple-system,'Segoe UI',sans-serif"
@@ -68,7 +72,7 @@ class Mark:
 
 def page(name: str, description: str, *parts: str) -> str:
     """A figure and tables under a heading."""
-    about = escape(_with_micro(description))
+    about = escape(description)
     heading = f'<div style="margin-bottom:4px"><b>{escape(name)}</b> {about}</div>'
     return (
         f'<div class="hertzchain" style="{FONT};font-size:13px;line-height:1.4;max-width:{WIDTH}px;'
@@ -78,13 +82,14 @@ def page(name: str, description: str, *parts: str) -> str:
 
 def note(text: str) -> str:
     """A sentence below a figure."""
-    shown = escape(_with_micro(text))
+    shown = escape(text)
     return f'<div style="opacity:0.75;font-size:12px;margin-top:4px">{shown}</div>'
 
 
-def _with_micro(text: str) -> str:
-    """A text with the prefix of the numbers in figures, as in 3 µJ, instead of u."""
-    return re.sub(r"(?<=\d )u(?=[JNgms]\b)", "µ", text)
+def escape(text: str) -> str:
+    """Text for HTML with the signs of figures: 3 µs, 2 ± 1 and a minus sign, for ASCII ones."""
+    text = MICRO.sub("µ", text.replace("+-", "±"))
+    return escaped(NUMBER.sub(lambda each: each[0].replace("-", "\N{MINUS SIGN}"), text))
 
 
 def sentence(text: str, names: Collection[str] = ()) -> str:
@@ -276,13 +281,13 @@ def _axes(frame: _Frame, x_label: str, y_label: str) -> str:
         y = float(frame.up(level))
         parts.append(
             f'<path d="M{left} {y:.1f}H{WIDTH - right}" stroke="currentColor" opacity="0.13"/>'
-            f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{name}</text>'
+            f'<text x="{left - 6}" y="{y + 4:.1f}" text-anchor="end">{escape(name)}</text>'
         )
     for x in ticks(frame.begin, frame.end, 8, whole=frame.whole):
-        place = float(frame.across(x))
+        place, value = float(frame.across(x)), escape(f"{x:.4g}")
         parts.append(
             f'<path d="M{place:.1f} {frame.floor}v4" stroke="currentColor" opacity="0.5"/>'
-            f'<text x="{place:.1f}" y="{frame.floor + 15}" text-anchor="middle">{x:.4g}</text>'
+            f'<text x="{place:.1f}" y="{frame.floor + 15}" text-anchor="middle">{value}</text>'
         )
     middle = (left + WIDTH - right) // 2
     parts.append(

@@ -169,7 +169,10 @@ def test_no_speed_of_the_pulse_is_stated_up_to_the_wall(sheet):
     assert "includes the compression of the load cell and the cap" in answers.on_travel(sheet)
     three = hc.lab_sheet(CELL, sensors=["ball 3", "wall", "ball 6"], heights=HEIGHTS[:2])
     assert answers.travel(three).heads == ("v [mm/s]", "ball 3 to ball 6 [m/s]")
-    expected = 48e-3 / (three.times[0, 2] - three.times[0, 0])
+    # Sensors are in the order in which the pulse arrives.
+    assert three.places == ("ball 3", "ball 6", "wall")
+    assert (np.diff(three.times) > 0.0).all()
+    expected = 48e-3 / (three.times[0, 1] - three.times[0, 0])
     assert float(answers.travel(three).rows[0][1]) == pytest.approx(expected, rel=1e-3)
     page = three.to_markdown()
     assert "What is the speed of the pulse between ball 3 and ball 6, and is it constant?" in page
@@ -479,6 +482,8 @@ def test_the_command_writes_the_sheet(tmp_path, run, sheet):
     assert code == 0
     assert document["speeds"] == [0.1, 0.2]
     assert document["sensors"] == ["wall"]
+    out = run("simulate", tmp_path / "lab.toml", "--sensor", "load cell", "--speed", "0.1m/s")[1]
+    assert "\nright wall (load cell): peak" in out
     assert document["forces"][1][0] == pytest.approx(117.84, abs=0.006)
 
 
@@ -496,7 +501,9 @@ def test_a_law_of_the_load_cell_in_a_file_keeps_the_unit_of_its_stiffness(tmp_pa
      (("--to", "a.md"), "--height or --speed at least twice"),
      (("--height", "1", "--height", "2mm", "--to", "a.md"), "no unit"),
      (("--height", "1mm", "--to", "a.md"), "at least twice"),
-     (("--height", "1mm", "--sensor", "ball 17"), "ball 17")],
+     (("--height", "1mm", "--sensor", "ball 17"), "ball 17"),
+     (("--height", "1mm", "--sensor", "load cel"), "--sensor must be"),
+     (("--height", "1mm", "--sensor", "load cel"), "did you mean 'load cell'?")],
 )  # fmt: skip
 def test_bad_options_are_explained(tmp_path, run, options, said, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any, Final, Literal
 
-from ..errors import InputError, alternatives, short_repr
+from ..errors import InputError, alternatives, short_repr, similar_names
 from ..representation import counted
 from ..validation.numbers import whole_number
 from .chain import Chain
@@ -72,8 +72,19 @@ def bead_number(chain: Chain, bead: int | str, what: str = "bead", *, walls: boo
         raise InputError(
             f"{what} must be a whole number or a name such as 'ball {ball}' (without the strikers) "
             f"or 'bead {ball + chain.strikers}' (with them){cap}{wall}, got {short_repr(bead)}"
+            f"{_meant(chain, name, walls=walls)}"
         )
     return numbered_bead(chain, found[1], int(found[2]))
+
+
+def _meant(chain: Chain, name: str, *, walls: bool) -> str:
+    """A question whether a similar name is meant; empty without one."""
+    names = [LAST, *[CAP] * (chain.cap is not None)]
+    if walls:
+        names += [*(f"{side} wall" for side in walls_of(chain)), *["wall"] * len(walls_of(chain))]
+        names += CELLS[: is_load_cell(chain)]
+    near = similar_names(name, names)
+    return f"; did you mean {near}?" if near else ""
 
 
 def walls_of(chain: Chain) -> dict[Side, int]:

@@ -137,12 +137,13 @@ def _budget_as_dict(run: Run) -> dict[str, object]:
 def show_run(
     run: Run, beads: Sequence[int], other: Run | None = None, yielding: Yielding = (None, None), *,
     waves: bool, contacts: bool, budget: bool = False, second: bool = False,
-    reflection: Contacts | None = None,
+    reflection: Contacts | None = None, sensors: Sequence[str] = (),
 ) -> None:  # fmt: skip
     """Print the summary of a run, with a hint at --horizon if it is long.
 
     The ``other`` run has the largest possible yield pressure; ``yielding`` are the
-    `peaks_if_yielding`; ``second`` adds a larger peak of a second impact.
+    `peaks_if_yielding`; ``second`` adds a larger peak of a second impact; one of the ``sensors``,
+    as they are typed, may be a load cell.
     """
     from ..representation import measure
     from ..simulation.run_message import LONG_RUN, transits_between_walls
@@ -167,7 +168,7 @@ def show_run(
                  *(f"note: {note}" for note in _notes(run, yielding[0]))]:  # fmt: skip
         show_text(line)
     for wall in _walls(run):
-        show_text(_wall_lines(run, wall))
+        show_text(_wall_lines(run, wall, _wall_name(wall, sensors)))
         if run.chain.cap is not None and wall.side == "right" and wall.first_contact_end:
             time = measure(wall.first_contact_end, "s", wall.units)
             show_text(
@@ -317,13 +318,21 @@ def _numbers(force: WallForce | SensorForce) -> dict[str, object]:
     return numbers
 
 
-def _wall_lines(run: Run, wall: WallForce) -> str:
+def _wall_name(wall: WallForce, sensors: Sequence[str]) -> str:
+    """Name of a wall, with that of the load cell if it is one of the sensors."""
+    from ..chain.bead_names import CELLS, usual_spelling
+
+    cell = wall.side == "right" and any(usual_spelling(each) in CELLS for each in sensors)
+    return f"{wall.side} wall{' (load cell)' * cell}"
+
+
+def _wall_lines(run: Run, wall: WallForce, name: str) -> str:
     """Describe the force on a wall; an incomplete one has no peak."""
     from ..representation import measure
     from ..simulation.wall_force import largest_in_words
 
     if not wall.reached:
-        return f"{wall.side} wall: the pulse has not arrived"
+        return f"{name}: the pulse has not arrived"
     static = measure(wall.static_force, "N", wall.units)
     largest = _at(run, wall.largest_so_far, wall.largest_so_far_time)
     with_static = " with the static force" if wall.static_force else ""
@@ -339,7 +348,7 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     caution = on_command_line(caution)
     if not wall.complete:
         return (
-            f"{wall.side} wall: peak not complete, largest so far {largest}"
+            f"{name}: peak not complete, largest so far {largest}"
             f"{largest_in_words(wall, run.end_time)}; {wall.reason}{caution}\n"
             f"  impulse {whole}"
         )
@@ -348,7 +357,7 @@ def _wall_lines(run: Run, wall: WallForce) -> str:
     end = wall.first_contact_end or math.inf
     second = wall.peak_time > end and not wall.sensitive
     not_first = "; in a later contact with the wall than the first" if second else ""
-    peak = f"{wall.side} wall: peak{so_far} {largest}{not_first}; {wall._later}{caution}"
+    peak = f"{name}: peak{so_far} {largest}{not_first}; {wall._later}{caution}"
     if wall.complete_since is None:
         return f"{peak}; {wall.reason}\n  impulse {whole}"
     of_impact = measure(wall.excess_impulse, "N s", wall.units)

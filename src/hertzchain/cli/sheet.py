@@ -74,7 +74,7 @@ def sheet(
     chain = chain_from(replace(options, others=()))
     named = [bead_from(each) for each in sensors] or ["wall"]
     if chain.units == "SI":
-        places_of(chain, named)  # before the options that are usually written last
+        places_of(chain, named, "--sensor")  # before the options that are usually written last
     if target is None and not as_json:
         raise click.UsageError("give the file to write, such as --to sheet.html")
     check_writable(target, "--to", ENDINGS)

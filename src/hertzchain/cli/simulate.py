@@ -260,7 +260,8 @@ def simulate(
     else:
         compared = compared_runs(runs, others, yielding, beads, impacts, peaks)
         if not (impacts and compared) or horizon or hits or any([*shown.values()][1:]):
-            _show(runs, others, yielding, beads, again if hits else {}, shown)
+            typed = shown | {"sensors": sensors}
+            _show(runs, others, yielding, beads, again if hits else {}, typed)
         _show_table(compared, only=bool(impacts))
     if not drawn:
         raise click.ClickException(NOTHING)

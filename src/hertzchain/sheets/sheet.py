@@ -217,7 +217,8 @@ def lab_sheet(
         The row, in SI units, with one striker or moving ball.
     sensors : iterable of int or str
         Up to four beads with force sensors, such as ``"ball 6"``, and ``"wall"``, or
-        ``"load cell"`` if the wall is a linear spring.
+        ``"load cell"`` if the wall is a linear spring.  The sheet has them in the order in which
+        the pulse arrives.
     heights : sequence of float or str, optional
         Heights from which the striker falls [m], or is raised as a pendulum.
     speeds : sequence of float or str, optional
@@ -314,8 +315,8 @@ def _speeds(heights: Any, speeds: Any) -> tuple[Array | None, Array]:
     return np.array(plain), np.array([speed_of_fall("height", each) for each in plain])
 
 
-def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
-    """Names of the sensors of a chain."""
+def places_of(chain: Chain, sensors: Any, what: str = "sensor") -> tuple[str, ...]:
+    """Names of the sensors of a chain, in the order in which the pulse arrives."""
     given = (
         [sensors]
         if isinstance(sensors, str | int)
@@ -323,7 +324,7 @@ def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
     )
     if not 1 <= len(given) <= MOST_SENSORS:
         raise InputError(f"sensors must be 1 to {MOST_SENSORS} places, got {len(given)}")
-    found: list[str] = []
+    found: dict[str, int] = {}
     for each in given:
         name = usual_spelling(each) if isinstance(each, str) else ""
         if name in (WALL, "right wall") and chain.right_wall is None:
@@ -332,10 +333,10 @@ def places_of(chain: Chain, sensors: Any) -> tuple[str, ...]:
             )
         # The right wall of a chain with two.
         if wall_number(chain, "right wall" if name == WALL else name) == chain.beads + 1:
-            found.append(WALL)
+            found[WALL] = chain.beads + 1
             continue
-        bead = bead_number(chain, each, walls=True)
-        found.append(name or f"bead {bead}")
-    if len(set(found)) < len(found):
+        bead = bead_number(chain, each, what, walls=True)
+        found[name or f"bead {bead}"] = bead
+    if len(set(found.values())) < len(given):
         raise InputError(f"sensors must be different places, got {short_repr(given)}")
-    return tuple(found)
+    return tuple(sorted(found, key=found.__getitem__))

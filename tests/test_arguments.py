@@ -387,3 +387,17 @@ def test_missing_attributes_of_a_run_name_the_usual_ones():
     ):
         run.peak_force  # noqa: B018
     assert not hasattr(run, "weight")
+    for item, name, meant in (
+        (
+            run,
+            "peak_force",
+            r"a Run has no entries, got \['peak_force'\]; use pulse\(\).peak_force",
+        ),
+        (run, "velocitys", "use the attribute or method velocity"),
+        (run.pulse(), "peak_forc", "a Pulse has no entries.* method peak_force"),
+        (run.pulse(), 0, "dir lists"),
+    ):
+        with pytest.raises(hc.InputError, match=meant):
+            item[name]
+    with pytest.raises(TypeError, match="not iterable"):
+        list(run)

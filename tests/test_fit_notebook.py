@@ -80,6 +80,8 @@ def test_comparisons_show_the_table_of_their_summary():
 
 def test_fits_show_parameters_verdict_and_notes(result):
     text, figures = parsed(result)
+    with pytest.raises(hc.InputError, match=r"no entries.*values\['loss.time'\] and errors\['los"):
+        result["loss.tine"]
     # Each sensor has a figure of data and fit, and one of the residuals.
     assert figures == 6
     assert text.count("residual over time") == 3

@@ -12,6 +12,7 @@ from ..recorded_warnings import ignore_warnings
 from ..simulation.yielding import pressures_below_yield
 from .chain_changes import at_speed, law_from
 from .chain_completion import complete_losses
+from .exit_codes import DONE, OUTSIDE_TOLERANCE
 from .fit_options import begin_option, part_of, until_option
 from .options import (
     StrictCommand,
@@ -72,7 +73,7 @@ def compare(
     traces: tuple[Path, ...], chain: Path, sensors: tuple[str, ...], noises: tuple[str, ...],
     speed: str | None, loss: str | None, shot: int | None, begin: str | None,
     until: str | None, time_offset: str | None, as_json: bool, plot: Path | None,
-) -> None:  # fmt: skip
+) -> int:  # fmt: skip
     """Compare a simulation with measured traces, without a fit.
 
     TRACES is a CSV file, or one for each channel, and CHAIN a chain file, as for `hertzchain fit`.
@@ -80,6 +81,8 @@ def compare(
     The chain is simulated, and peaks, arrivals and residuals of all sensors are printed.
     --from and --until select samples by the times of the data, as in `hertzchain fit`; the
     simulation lasts as long as they do.
+
+    The exit code is 3 if columns are probably exchanged, which the first line then says.
 
     \b
     Examples:
@@ -136,6 +139,7 @@ def compare(
         if assumed := assumed_for_all(described):
             lines.append(on_command_line(f"note: {assumed}"))
         show_text("\n".join(lines))
+    return OUTSIDE_TOLERANCE if found.exchanged else DONE
 
 
 def _timed(traces: Traces, settings: Settings, time_offset: str | None) -> Traces:
@@ -172,5 +176,6 @@ def _as_dict(found: TraceComparison) -> dict[str, Any]:
         "time_offset": found.time_offset,
         "time_offset_error": None if found.time_offset_given else found.time_offset_error,
         "interval": list(found.interval),
-        "covered": found.covered, "sensors": sensors, "notes": list(found.notes),
+        "covered": found.covered, "exchanged": found.exchanged,
+        "sensors": sensors, "notes": list(found.notes),
     }  # fmt: skip

@@ -15,6 +15,7 @@ from ..chain.chain import Chain
 from ..collision import Array
 from ..errors import InputError, unavailable_without
 from ..representation import short
+from ..validation.entries import NoEntries
 from ..validation.keywords import checked_methods
 from ..validation.objects import check_choice, check_type
 from .ball_space import BallSpace
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False, repr=False)
-class DesignResult:
+class DesignResult(NoEntries):
     """The best chain that was found; the result of `hertzchain.design`.
 
     Attributes

@@ -11,6 +11,7 @@ import numpy as np
 from ..collision import Array
 from ..errors import InputError, SimulationError
 from ..representation import SUMMARY_WIDTH, counted, folded, short
+from ..validation.entries import NoEntries
 from ..validation.keywords import checked_methods
 from ..validation.memory import check_memory
 from ..validation.numbers import whole_number
@@ -43,7 +44,7 @@ BURN_IN: Final = 0.25
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Posterior:
+class Posterior(NoEntries):
     """Samples of the posterior of a fit.
 
     Attributes

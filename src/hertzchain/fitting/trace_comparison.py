@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..representation import SUMMARY_WIDTH, folded, measure, short, usual_unit, with_error
 from ..traces.signals import Clock
 from ..traces.traces import Traces
+from ..validation.entries import NoEntries
 from ..validation.keywords import checked_methods
 from .sensor_comparison import (
     HEADING,
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class TraceComparison:
+class TraceComparison(NoEntries):
     """Measured signals and those of a run at the same times.
 
     Attributes

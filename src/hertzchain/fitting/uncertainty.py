@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..collision import Array
+from ..errors import similar_names
+from ..validation.entries import NoEntries
 from ..validation.keywords import checked_methods
 from .held_by_priors import HeldByPriors, held_by_priors
 from .model import Model
@@ -27,7 +29,7 @@ LARGE_ERROR: Final = 1.0
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class Estimates:
+class Estimates(NoEntries):
     """Values of parameters with standard errors and their covariance, by name."""
 
     names: tuple[str, ...]
@@ -46,6 +48,11 @@ class Estimates:
     def errors(self) -> dict[str, float]:
         """Standard errors by name, in SI; infinite at a bound or if not determined."""
         return dict(zip(self.names, self.sigmas.tolist(), strict=True))
+
+    def _instead_of_entry(self, name: object) -> str:
+        known = name if name in self.names else similar_names(name, self.names).strip("'")
+        example = repr(known if known in self.names else self.names[0])
+        return f"values[{example}] and errors[{example}] are the value and standard error"
 
     @property
     def model(self) -> Model:

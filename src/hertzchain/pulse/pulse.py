@@ -18,6 +18,7 @@ from ..chain.feature_support import require_chain
 from ..collision import Array
 from ..errors import InputError
 from ..representation import listed, measure, percent, short
+from ..validation.entries import NoEntries
 from ..validation.keywords import checked_fields, checked_methods
 from ..validation.numbers import number
 from ..validation.objects import check_choice, check_type, text
@@ -48,7 +49,7 @@ NOT_ESTIMATED: Final = (
 @checked_methods
 @dataclass(frozen=True, eq=False)
 @with_columns
-class Pulse(Columns):
+class Pulse(Columns, NoEntries):
     r"""The effect of the leading pulse on each bead of a chain.
 
     Its columns are the quantities of `hertzchain.pulse.quantities.QUANTITIES`, in scaled variables

@@ -6,7 +6,7 @@
 - end of a run: `run_end`, `run_message`, `slow_run`;
 - forces on walls: `wall_force`, the rule for a complete peak in `wall_watch`, and its bounds in
   `wall_bound`, from `momentum_limits`, and `rebounds`;
-- results: `run` and its base classes `trajectory` and `contact_history`, `budget`,
+- results: `run` and its base classes `trajectory`, `contact_history` and `other_names`, `budget`,
   `largest_overlaps`, `force_table`, `end_forces`, `yielding` with `not_yielded` and `yield_range`,
   `hits`;
 - the leading pulse: `run_pulse`, `leading_pulse`, `pulse_width`, `tail`, `missing_values`;

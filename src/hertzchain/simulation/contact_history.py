@@ -10,11 +10,11 @@ import numpy as np
 from ..chain.contact_groups import dents
 from ..chain.stiff_walls import stiff_wall_notes
 from ..collision import Array
-from ..other_names import OtherNames
 from ..validation.keywords import checked_methods
 from .body_peak import body_force_of
 from .budget import overlaps_of
 from .largest_overlaps import OPEN
+from .other_names import OtherNames
 from .trajectory import Trajectory
 
 

@@ -171,6 +171,12 @@ def test_a_chain_file_describes_a_cap():
     assert read == row.with_cap("5 g", material="steel-304")
     read = hc.chain_from_toml(text + 'frequency = "5 kHz"\nstiffness = 1e9')
     assert read == row.with_cap(frequency="5 kHz", stiffness=1e9)
+    for count in (3, 5):
+        gaps = f"gaps = {[1e-6] * count}\n[chain.cap]\n"
+        with pytest.raises(hc.InputError, match=f"must be 4 num.* but with the cap, got {count}"):
+            hc.chain_from_toml(text.replace("[chain.cap]\n", gaps) + 'mass = "5 g"')
+    file = text.replace("[chain.cap]\n", f"gaps = {[1e-6] * 4}\n[chain.cap]\n") + 'mass = "5 g"'
+    assert (hc.chain_from_toml(file).gaps == 1e-6).all()
 
 
 @pytest.mark.parametrize(("cap", "said"), [

@@ -1,6 +1,7 @@
 """Views of traces, comparisons and fits in notebooks."""
 
 import re
+from dataclasses import replace
 from html import unescape
 from xml.etree import ElementTree
 
@@ -93,6 +94,16 @@ def test_fits_show_parameters_verdict_and_notes(result):
     assert result._repr_html_().count('fill="#8a8a8a" fill-opacity="0.25"') == 3
     for name, row in result.rows():
         assert as_shown(f"{name} {row}") in text
+    # The restitution at the speed of the impact: half a change of the viscous time by its error.
+    e, loss = result.restitution, result.chain.contact_losses[1]
+    ends = [replace(loss, time=loss.time + d).restitution(e.speed, chain=result.chain)
+            for d in (-result.errors["loss.time"], result.errors["loss.time"])]  # fmt: skip
+    assert e.speed == result.values["struck_by.velocity"]
+    assert ends[0] > e.value > ends[1]
+    assert e.error == pytest.approx(0.5 * (ends[0] - ends[1]), rel=0.05)
+    assert f"  {'  '.join(e.row)}\n" in result.summary()
+    assert as_shown(" ".join(e.row)) in text
+    assert result.as_dict()["restitution"]["error"] == e.error
     # Whether the model describes the data is stated first, as in the summary.
     verdict = result.verdict
     assert verdict in result.summary(width=None)

@@ -226,7 +226,7 @@ class ChainFields(Frozen, metaclass=ShortClassDir):
         self._set("velocities", _read_only(values))
         gaps, unit = np.zeros(self.beads - 1), self._unit("m")
         if "gaps" in self.given:
-            gaps = input_checks.checked_gaps(self.gaps, len(gaps), unit, self.strikers)
+            gaps = input_checks.checked_gaps(self.gaps, len(gaps), unit, self.strikers, self.cap)
         self._set("gaps", _read_only(gaps))
         gravity = number("gravity", self.gravity, unit=self._unit("m/s**2"))
         self._set("gravity", gravity)

@@ -216,13 +216,15 @@ def warn_soft(what: str, stiffness: float, exponent: float) -> None:
     )
 
 
-def checked_gaps(gaps: ArrayLike, contacts: int, unit: str | None, strikers: int) -> Array:
+def checked_gaps(
+    gaps: ArrayLike, contacts: int, unit: str | None, strikers: int, cap: object
+) -> Array:
     """Check the gaps between neighbouring beads."""
     # A chain file adds strikers after its gaps.
     others = "strikers included, but without" if strikers else "without strikers and"
     values = per_bead_array(
         "gap", gaps, contacts, "contact", unit=unit, least=0.0,
-        counted=f" of two beads, {others} walls",
+        counted=f" of two beads, {others} walls{', but with the cap' * (cap is not None)}",
     )  # fmt: skip
     if (c := int(np.argmax(np.append(values, 0.0)))) < contacts:
         number(f"gap of contact {c + 1}", values.item(c), most=MAX_GAP, hint=GAP_HINT)

@@ -18,8 +18,8 @@
   `unused_parameters`, `silent_sensors`, `dead_channels`;
 - the result: `result`, `result_text`, `result_document`, `shown_values`, `summary_width`,
   `fitted_file`;
-- further questions: `loss_comparison` of all `loss_laws`, and `defect_scan` with its
-  `defect_fits`;
+- further questions: `fitted_restitution`, `loss_comparison` of all `loss_laws`, and `defect_scan`
+  with its `defect_fits`;
 - data compared with a simulation, without a fit: `compare_traces`, `compared_run`,
   `trace_comparison`,
   `sensor_comparison`, `crossings`, `time_offsets`, `arrival_notes`, `odd_sensors`,

@@ -19,6 +19,7 @@ from ..validation.numbers import number
 from ..validation.objects import Progress
 from .constants import FixedConstant, Optimum, fixed_constants
 from .fitted_file import fitted_toml
+from .fitted_restitution import WithRestitution
 from .goodness import Goodness
 from .loss_laws import ONE_LAW
 from .model import Model
@@ -43,7 +44,7 @@ if TYPE_CHECKING:
 
 @checked_methods
 @dataclass(frozen=True, eq=False)
-class FitResult(Estimates):
+class FitResult(Estimates, WithRestitution):
     """Parameters of chains and sensors that describe measured traces best.
 
     Attributes
@@ -74,8 +75,8 @@ class FitResult(Estimates):
     simulations, starts : int
         Number of simulations and of starts.
     advice : tuple of str
-        If the model does not describe the data: a cause that another fit has confirmed, or what to
-        consider.  If it does, an effect of the sensors that the data show, from another fit.
+        A cause that another fit has confirmed, or what to consider, if the model does not describe
+        the data; otherwise an effect of the sensors that the data show, from another fit.
     misread : bool
         Whether the data require another sign, unit or order of columns, or other times.
     explained : bool
@@ -352,8 +353,7 @@ class FitResult(Estimates):
         legend : bool
             Whether the axes of this sensor have a legend, which one of several sensors needs.
         ax : matplotlib.axes.Axes or pair of them, optional
-            Axes for data and fit of this sensor and, in a pair, for its residuals.  By default, a
-            new figure has both.
+            Axes for data and fit and, in a pair, for the residuals, instead of a new figure.
 
         Examples
         --------

@@ -37,6 +37,7 @@ def result_document(result: FitResult) -> dict[str, Any]:
     found: dict[str, Any] = finite({
         "parameters": parameters_document(result.model, result.estimates, result.sigmas),
         "correlation": result.correlation.tolist(),
+        "restitution": result.restitution and result.restitution.as_dict(),
         "chi2": result.chi2, "degrees_of_freedom": result.goodness.freedom,
         "samples": result.goodness.samples,
         "effective_samples": result.goodness.effective_samples,

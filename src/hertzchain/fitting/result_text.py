@@ -34,6 +34,7 @@ def summary_of(result: FitResult, width: int | None) -> str:
     longest = max(map(len, result.names))
     if not result.meaningless:
         lines += [f"  {name:<{longest}}  {row}" for name, row in result.rows()]
+        lines += ["  " + "  ".join(result.restitution.row)] if result.restitution else []
     lines.append(result.verdict)
     if len(result.traces.names) > 1 and not result.meaningless:
         lines.append(f"chi2 per sample: {_by_sensor(result)}")

@@ -93,13 +93,14 @@ def fit_html(result: FitResult) -> str:
     residuals = [values for *_, values in result.residuals()]
     verdict = result.verdict.replace(NO_ERRORS, NO_ERRORS.replace("above", "below"))
     per_sample = result.chi2_per_sample
+    local = [result.restitution.row] if result.restitution else []
     about = f"{counted(len(result.names), 'parameter')} from {result.traces.samples} samples"
     return page(
         "FitResult", about, *_notes((verdict,), _names(result)),
         legend((("data", MEASURED), ("fit", MODEL), ("residual / noise", RESIDUAL),
                 ("±2σ of the noise", BAND))),
         *_figures(result.traces.shots, result.predicted, residuals),
-        table(("parameter", "value"), result.rows()),
+        table(("parameter", "value"), [*result.rows(), *local]),
         numbers({f"chi2 per sample, {name}": f"{value:.3g}" for name, value in per_sample.items()}),
         *_notes((*result.warnings, result._loss_note), _names(result)),
     )  # fmt: skip

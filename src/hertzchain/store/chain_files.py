@@ -445,6 +445,6 @@ class _ChainFile:
 
 
 def _without_last(own: Mapping[str, Any]) -> dict[str, Any]:
-    """Lists of values per bead or contact without the last one, which is that of a cap."""
+    """Lists of values per bead or contact without that of a cap, and no gaps, which follow it."""
     lists = (list, tuple, np.ndarray)
-    return {name: value[:-1] if isinstance(value, lists) else value for name, value in own.items()}
+    return {k: v[:-1] if isinstance(v, lists) else v for k, v in own.items() if k != "gaps"}

@@ -21,7 +21,7 @@ class NoEntries:
             )
 
     def _instead_of_entry(self, name: object) -> str:
-        """What to use instead."""
+        """Advice on the attribute to use."""
         names = [each for each in dir(self) if not each.startswith("_")]
         near = similar_names(name, names).replace("'", "")
         return (

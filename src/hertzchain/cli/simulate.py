@@ -225,14 +225,13 @@ def simulate(
         "budget": budget, "waves": waves, "reflection": reflection, "horizon": horizon,
     }  # fmt: skip
     _check_times(times, stream=stream, **of_saved_times)
-    if stream is not None:
-        check_stream_options(**of_saved_times, contacts=contacts, hits=hits, max_steps=max_steps)
     if len(chains) > 1 and (out or forces or animation or stream):
         raise click.UsageError(SINGLE)
     check_hits(hits, chains.values())
     check_reflection(reflection, chains.values())
     beads = {name: _beads(chain, sensors, forces) for name, chain in chains.items()}
     if stream is not None:
+        check_stream_options(**of_saved_times, contacts=contacts, hits=hits, max_steps=max_steps)
         (chain,) = chains.values()
         steps = {"rtol": rtol, "method": method, "step": time_from("--step", step, chain),
                  "drift": drift}  # fmt: skip

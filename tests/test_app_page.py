@@ -2012,6 +2012,7 @@ def test_headings_name_the_first_ball_that_differs(page):
     assert all(";" not in each for each in titles(balls[0], balls[0], steel))
 
 
+@pytest.mark.long
 def test_a_stiffness_without_a_unit_has_the_unit_of_its_exponent(page, tmp_path):
     path = tmp_path / "wall.toml"
     text = '[chain]\ndiameters = "10 mm"\nbeads = 8\nmaterials = "steel-52100"\n'

@@ -87,6 +87,7 @@ def test_a_record_is_aligned_and_scaled_as_by_compare(scope):
     assert computed(LAB, record=found["record"], draft=True)["run"][0]["record"] is None
 
 
+@pytest.mark.long
 def test_many_samples_are_thinned_with_their_extremes(scope):
     record = record_of_file(scope, places_in(PLACES))
     chain = hc.Chain.from_materials(5e-3, "steel-52100", beads=12, velocity=0.3)

@@ -138,7 +138,7 @@ def test_a_huge_loss_does_not_overflow():
         assert hc.attenuation(hc.Chain.uniform(3).replace(loss=hc.Dashpot(1e200)), 1.0) > 0.0
 
 
-@pytest.mark.parametrize("p", [1.5, 1.75, 2.5])
+@pytest.mark.parametrize("p", [1.5, pytest.param(1.75, marks=pytest.mark.long), 2.5])
 @pytest.mark.parametrize(
     "law",
     [*OF_TOOL.values(), velocity_power(0.6), velocity_power(3.0)],

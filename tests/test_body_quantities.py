@@ -55,7 +55,7 @@ def test_tables_have_the_force_and_the_acceleration_of_the_body(loss):
     assert dataset["body_acceleration"].attrs["units"] == "m/s^2"
 
 
-@pytest.mark.parametrize("loss", [None, hc.Restitution(0.9)])
+@pytest.mark.parametrize("loss", [None, pytest.param(hc.Restitution(0.9), marks=pytest.mark.long)])
 def test_the_duration_is_a_quantity_of_tables_scatters_and_designs(loss, run, file, tmp_path):
     chain = box(loss=loss)
     # The samples are 40 ns apart.
@@ -306,6 +306,7 @@ def test_a_time_axis_shows_the_times_at_which_forces_act():
     assert max(shown) < axes.get_xlim()[1]
 
 
+@pytest.mark.long
 def test_a_front_shows_the_initial_chain_and_the_one_to_compare():
     problem = hc.Design(
         box(beads=4), minimise=[PEAK, "length"], until="1 ms",
@@ -324,6 +325,7 @@ def test_a_front_shows_the_initial_chain_and_the_one_to_compare():
     assert {each.partition(":")[0] for each in shown_chains(found)} - {"design"} <= named.keys()
 
 
+@pytest.mark.long
 def test_the_sensitivity_to_the_yield_strength_is_that_of_simulations(run, tmp_path):
     chain = box(velocities=4.0 * box().velocities, loss=hc.ElasticPlastic())
     (tmp_path / "yields.toml").write_text(hc.chain_as_toml(chain))

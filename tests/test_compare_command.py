@@ -55,6 +55,7 @@ def test_compare_prints_the_comparison_of_the_library(run, files):
     assert (files / "compared.svg").stat().st_size > 10_000
 
 
+@pytest.mark.long
 def test_another_speed_and_loss_replace_those_of_the_file(run, files):
     document = hc.chain_as_toml(chain(loss=None).replace(velocities=0.9 * chain().velocities))
     (files / "other.toml").write_text(document)

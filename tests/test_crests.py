@@ -7,7 +7,9 @@ import hertzchain as hc
 from hertzchain.traces.crests import crest_of_record
 
 
-@pytest.mark.parametrize("sigma", [1e-3, pytest.param(0.02, marks=pytest.mark.long), 0.05])
+@pytest.mark.parametrize(
+    "sigma", [1e-3, *(pytest.param(each, marks=pytest.mark.long) for each in (0.02, 0.05))]
+)
 def test_the_error_of_a_noisy_crest_is_that_of_its_scatter(sigma):
     times, rng = np.linspace(-3.0, 3.0, 301), np.random.default_rng(1)
     pulse = 1.0 / np.cosh(times) ** 4

@@ -367,6 +367,7 @@ def test_designs_with_dents_state_the_peak_of_the_second_hit():
     assert f"  {second.acceleration:.4g} m/s^2" in own
 
 
+@pytest.mark.long
 def test_the_summary_of_a_pareto_front_states_dents_and_second_hits():
     chain = row(5.0).replace(right_wall=hc.Wall(), loss=LAW)
     radii = hc.vary.radii("4.5 mm", "5.5 mm")
@@ -450,6 +451,7 @@ def test_a_run_states_that_no_contact_has_yielded():
     assert "yielded" not in repr(hc.simulate(balls))
 
 
+@pytest.mark.long
 def test_the_summary_states_limits_and_advantages_that_depend_on_the_yield_pressure():
     """Of a design and a row whose order or limits change between 1.6 and 2.8 Y."""
     chain = row(5.0).replace(right_wall=hc.Wall(), loss=LAW)

@@ -921,6 +921,7 @@ def test_a_dry_run_of_slow_trials_times_few(monkeypatch):
     assert sum(count) == 2
 
 
+@pytest.mark.long
 def test_a_dry_run_skips_balls_without_the_properties_of_the_law(tmp_path):
     """Glass has no yield strength; a search rejects its rows, and a dry run times the others."""
     steel = hc.Chain.from_materials("3 mm", "steel-304", beads=3, velocity=0.3)

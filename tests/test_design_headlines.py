@@ -41,6 +41,7 @@ def stiff():
     return absorber(STEEL, ["4 mm", "6 mm", "10 mm"], "40 N", "0.01 m/s")
 
 
+@pytest.mark.long
 def test_the_headline_states_that_forces_are_not_a_prediction(soft):
     assert soft.met
     with pytest.warns(hc.ModelRangeWarning):

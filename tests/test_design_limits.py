@@ -181,6 +181,7 @@ def of_balls(loss, **options):
     )
 
 
+@pytest.mark.long
 def test_designs_with_yield_stay_within_the_range_of_the_law_unless_it_is_lifted():
     problem = of_balls(hc.ElasticPlastic())
     assert [str(each) for each in problem.requirements] == ["overlap_ratio <= 0.1"]

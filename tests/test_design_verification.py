@@ -38,6 +38,7 @@ def first():
     return hc.design(PROBLEM, budget=600)
 
 
+@pytest.mark.long
 def test_the_design_and_the_references_have_the_same_new_samples(second):
     found = second
     for each in (found.verified, *found.references.values()):
@@ -83,6 +84,7 @@ def test_references_that_violate_a_limit_in_new_samples_are_not_compared(first):
     assert "NOT" not in found.summary()
 
 
+@pytest.mark.long
 def test_new_samples_are_read_from_the_journal(tmp_path, monkeypatch):
     given = {"budget": 600, "store": tmp_path}
     found = hc.design(PROBLEM, **given)

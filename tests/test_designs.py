@@ -387,7 +387,7 @@ def test_a_scatter_is_summarised_by_the_worst_samples():
     assert found.plot("history").get_ylabel() == "CVaR80 of peak force on the wall"
 
 
-@pytest.mark.parametrize("budget", [900, 2000])
+@pytest.mark.parametrize("budget", [900, pytest.param(2000, marks=pytest.mark.long)])
 def test_starts_with_scatter_are_compared_by_its_statistic(budget):
     """With the smaller budget, no descent with scatter begins."""
     scatter = hc.Scatter(radius=0.01, samples=10)
@@ -676,6 +676,7 @@ def test_the_plot_of_a_front_has_hollow_points_where_contacts_yield(partly_yield
     assert steps.get_drawstyle() == "steps-post"
 
 
+@pytest.mark.long
 def test_points_of_a_front_that_yield_beats_are_marked_and_the_verification_is_reported(
     monkeypatch,
 ):
@@ -779,6 +780,7 @@ def far_outside():
         return hc.design(problem)
 
 
+@pytest.mark.long
 def test_values_with_yield_outside_the_range_of_the_law_are_not_compared(far_outside):
     found, name = far_outside, "wall_force.peak"
     dented = found.chain.replace(loss=hc.ElasticPlastic())
@@ -1359,6 +1361,7 @@ def test_figures_at_the_width_of_a_column_are_legible():
     assert all(box.y0 >= beads.bbox.y0 for box in boxes)
 
 
+@pytest.mark.long
 def test_long_labels_of_narrow_figures_cover_no_data():
     """Several violated constraints, and values outside the range of the law of yield."""
     chain = hc.Chain.from_materials(
@@ -1800,6 +1803,7 @@ def test_limits_in_both_directions_need_the_mean_of_a_scatter():
     hc.Design(WALLED, **given)
 
 
+@pytest.mark.long
 def test_a_material_that_constraints_exclude_does_not_hide_rows_without_it():
     """PTFE yields at once, so the best row is nearly that of a search among steel balls."""
     chain = hc.Chain.from_materials(

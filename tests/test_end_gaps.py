@@ -33,6 +33,7 @@ def undiagnosed(gap, sensors, behind=LAST, free=tuple(FREE)):
 SENSORS = "ball 5", "ball 10", "wall"
 
 
+@pytest.mark.long
 def test_a_gap_in_front_of_a_load_cell_is_found_although_the_fit_without_it_is_far_away():
     result = undiagnosed(20e-6, SENSORS, free=("stiffness", "time_offset"))
     early = {str(name): value for name, value in values_before_waves_return(result).items()}

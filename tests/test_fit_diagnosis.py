@@ -484,6 +484,7 @@ def test_balls_with_one_mass_are_checked(name, words):
         hc.fit(traces(), row, free=[*FREE, name])
 
 
+@pytest.mark.long
 def test_a_gross_error_of_an_amplitude_is_named_before_the_effects_that_remain():
     result = fitted(lambda c: c | {WALL: 10.0 * c[WALL], A: c[A] + 0.5})
     first, *rest = result.advice

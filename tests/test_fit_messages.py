@@ -294,6 +294,7 @@ def test_the_exit_code_is_that_of_the_fit_with_a_gap(run, tmp_path):
     assert hc.load_chain(tmp_path / "fitted.toml").gaps[8] == pytest.approx(1e-6 * value, rel=1e-3)
 
 
+@pytest.mark.long
 def test_the_output_says_why_a_defect_is_not_the_best_one_of_the_scan(run, tmp_path):
     """In the scan, chi-squared falls more with a gap next to the true one, at contact 8-9."""
     row = hc.Chain.from_materials(5e-3, "steel-52100", beads=15).struck_by(velocity=0.2)

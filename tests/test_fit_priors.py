@@ -192,6 +192,7 @@ def test_the_exit_code_of_a_contradicted_prior_is_that_of_a_bad_fit(run, files):
     assert "from its prior" in json.loads(out)["prior_conflict"]
 
 
+@pytest.mark.long
 def test_priors_with_units_of_parameters_that_are_not_free_are_ignored(run, files):
     free = [word for name in ("stiffness", "loss.time", "time_offset") for word in ("--free", name)]
     code, out, err = run("fit", files / "data.csv", files / "row.toml", *free, "--json")

@@ -1,6 +1,7 @@
 """Other starts of fits whose first minimum does not describe the data."""
 
 import numpy as np
+import pytest
 
 import hertzchain as hc
 
@@ -35,6 +36,7 @@ def clipped(level):
     return hc.Traces.from_arrays(times, columns)
 
 
+@pytest.mark.long
 def test_a_minimum_that_the_verdict_rejects_is_left_for_another_start():
     data, chain = clipped(0.120), row("20 mm/s", "1.5 us")
     first = hc.fit(data, chain, free=FREE, priors=PRIORS, starts=1)

@@ -152,6 +152,7 @@ def test_laws_are_not_compared_if_the_noise_is_too_uncertain(example):
     assert "the noise is too uncertain to decide whether it describes" in laws.statement
 
 
+@pytest.mark.long
 def test_two_shots_share_their_material():
     result = hc.fit(*hc.example_experiment("fast", "slow"))
     assert result.describes
@@ -405,6 +406,7 @@ def cell():
     return row, measured(row, np.random.default_rng(5), balls=(3, 6), duration=400e-6)
 
 
+@pytest.mark.long
 def test_comparisons_of_losses_keep_the_law_of_an_elastic_load_cell(cell):
     """The fit with the true law is that of `fit`; without the law of the wall, it is poor."""
     row, data = cell
@@ -418,6 +420,7 @@ def test_comparisons_of_losses_keep_the_law_of_an_elastic_load_cell(cell):
     assert not hc.compare_losses(data, lossy, laws=["viscoelastic"], free=free).best.describes
 
 
+@pytest.mark.long
 def test_comparisons_of_losses_keep_the_free_parameters_of_a_wall_with_its_own_law(cell):
     row, data = cell
     row = row.replace(right_wall=hc.Wall("50 kN/mm", exponent=1, loss=hc.Restitution(0.99)))
@@ -498,6 +501,7 @@ def test_the_factor_of_the_stiffness_does_not_include_the_spring_of_a_cell(cell)
     assert walls == pytest.approx([0.9 * hertz.wall_stiffness[1]] * 2)
 
 
+@pytest.mark.long
 def test_a_poor_fit_is_started_again_from_other_losses():
     """A start of twice the loss leads to another minimum, which one start does not leave."""
     cell = hc.Wall("50 kN/mm", exponent=1, loss=hc.Elastic())

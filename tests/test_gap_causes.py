@@ -50,6 +50,7 @@ def medium():
     return undiagnosed(traces(gap=8e-6, behind=2))
 
 
+@pytest.mark.long
 def test_a_gap_of_twice_the_unit_of_the_motion_is_found_in_front_of_the_first_sensor(medium):
     # From half or five times the unit, rough fits end at another size.
     gap = best_of(medium, ["gap[1-2]", "gap[2-3]", "gap[3-4]"])
@@ -58,6 +59,7 @@ def test_a_gap_of_twice_the_unit_of_the_motion_is_found_in_front_of_the_first_se
     assert gap.cost < 0.1 * medium.chi2
 
 
+@pytest.mark.long
 def test_neighbours_of_the_contact_that_rough_fits_prefer_are_fitted(medium, monkeypatch):
     near = gap_names(medium.chain)[1:4]
     monkeypatch.setattr(gap_causes, "gap_names", lambda _: near)

@@ -105,6 +105,7 @@ def test_a_limit_of_overlaps_is_compared_with_those_of_contacts_that_yield():
     assert f"({ratio:.4g} with contacts that yield), NOT met" in line_of(found, "overlap_ratio")
 
 
+@pytest.mark.long
 def test_the_command_does_not_exit_with_0_and_searches_with_a_law_of_loss(tmp_path, run):
     file = tmp_path / "design.toml"
     file.write_text(FILE)

@@ -64,6 +64,7 @@ def lighter():
         return hc.fit(measured(with_mass(0.9)), row(), free=FREE)
 
 
+@pytest.mark.long
 def test_a_ball_of_another_mass_is_not_one_of_another_size(lighter):
     (advice,) = lighter.advice
     assert advice.startswith("with mass[9] = ")

@@ -81,6 +81,7 @@ def test_other_strikers_are_listed_among_the_beads() -> None:
     assert hc.chain_from_toml(text) == chain
 
 
+@pytest.mark.long
 def test_a_design_keeps_its_piston() -> None:
     problem = hc.Design(
         CASES["piston"][0], minimise="wall_force.peak",

@@ -26,7 +26,7 @@ def priors(wrong, sigma=0.0004):
 
 
 # With the smaller error, the wrong prior biases the others, which the fit contradicts, too.
-@pytest.mark.parametrize("sigma", [0.0004, 0.0001])
+@pytest.mark.parametrize("sigma", [pytest.param(0.0004, marks=pytest.mark.long), 0.0001])
 def test_values_without_the_wrong_prior_of_a_gain_are_those_of_the_experiment(sigma):
     free, given = [*FREE, *GAINS], priors(1.15 * GAIN, sigma)
     result = hc.fit(hc.Traces.from_arrays(*volts()), chain(), free=free, priors=given)

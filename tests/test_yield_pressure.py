@@ -321,6 +321,7 @@ def test_balls_with_the_strength_of_annealed_bars_have_a_note(run):
     assert f"note: {note}" in " ".join(run(*scatter).stdout.split())
 
 
+@pytest.mark.long
 def test_designs_and_comparisons_share_the_assumption(run, tmp_path):
     chain = row(loss=hc.ElasticPlastic()).replace(materials=["steel-304"] * 4)
     note = "is assumed to be 1.6 times the yield strength"

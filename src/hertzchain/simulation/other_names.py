@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from functools import partial
 from typing import TYPE_CHECKING, Final
 
+from ..errors import similar_names
 from ..short_tracebacks import short_traceback
 from ..validation.entries import NoEntries
 
@@ -16,7 +16,6 @@ MEANT: Final = {
     "arrival": "pulse().arrival", "arrivals": "pulse().arrival", "speed": "pulse().speed",
     "energy": "budget()", "displacements": "positions",
 }  # fmt: skip
-LIKENESS: Final = 0.75
 
 
 class OtherNames(NoEntries):
@@ -44,5 +43,5 @@ class OtherNames(NoEntries):
         if name in MEANT:
             return f"; use {MEANT[name]}"
         known = [each for each in dir(self) if not each.startswith("_")]
-        near = difflib.get_close_matches(name, known, n=1, cutoff=LIKENESS)
-        return f"; did you mean {near[0]!r}?" if near else ""
+        near = similar_names(name, known)
+        return f"; did you mean {near}?" if near else ""

@@ -111,8 +111,9 @@ def reversed_beads(self: C) -> C:
 def joined(self: C, other: C) -> C:
     """Return both chains as one: ``one + other`` has the beads of ``one``, then the others.
 
-    The chains touch.  Scaled radii are in units of the first radius of ``one``.  The impact on
-    ``other`` is dropped; other initial velocities are kept.  Gravity and precompression must
+    The chains touch.  The first bead of each scaled chain has the radius 1, so that
+    ``Chain.uniform(3) + Chain.from_radii([2, 2])`` has five equal beads; give all scaled radii in
+    one call of `Chain.from_radii` instead.  The impact on ``other`` is dropped; other initial velocities are kept.  Gravity and precompression must
     agree.
 
     Parameters

@@ -428,6 +428,11 @@ def test_the_dialog_to_share_names_the_chain_of_its_files(page):
         assert chain in about
         assert page.tab.text_content("#share-status") == ""
         page.tab.keyboard.press("Escape")
+    page.tab = page.new_tab(f"{page.origin}#taper=uniform&beads=5&b.taper=uniform&b.beads=-9")
+    page.tab.click("#tab-B")
+    page.tab.click("#open-share")
+    assert page.tab.text_content("#share-of").startswith("Chain B of A and B has an error. The ")
+    assert "beads" in page.tab.text_content("#share-status")
 
 
 def test_a_field_that_is_left_without_a_change_requests_nothing(page):
@@ -1434,6 +1439,37 @@ def test_invalid_input_is_explained_next_to_its_control(page):
     check_numbers(page)
 
 
+def test_errors_are_marked_at_their_fields_until_they_are_corrected(page):
+    page.tab = page.new_tab(f"{page.origin}#diameters=20+mm&beads=6&materials=brass&velocity=1+m/s"
+                            "&loss.law=restitution&loss.coefficient=0.9")  # fmt: skip
+    page.tab.click("#group-more summary")
+    for name, text, wrong in (
+        ("gaps", "0,1 um,0,0 um", ["gaps"]),
+        ("loss.coefficient", "0.93", ["gaps"]),
+        ("velocity", "0.2 kg", ["velocity", "gaps"]),
+        ("gaps", "0,0,0,1.2 um,0", ["velocity"]),
+        ("loss.coefficient", "1.9", ["velocity"]),
+        # The unit of the velocity is checked before the range of the coefficient.
+        ("velocity", "0.2", ["loss.coefficient"]),
+        ("loss.coefficient", "0.9", []),
+    ):
+        box = page.tab.locator(f"[id='c-chain.{name}']")
+        box.fill(text)
+        box.press("Enter")
+        page.settle()
+        marked = "document.querySelectorAll('[aria-invalid]')"
+        found = page.tab.evaluate(f"[...{marked}].map(each => each.id)")
+        assert found == [f"c-chain.{each}" for each in wrong]
+        assert page.tab.is_visible("#problem") == bool(wrong)
+        if len(wrong) == 2:
+            first, *lines = page.tab.inner_text("#problem").split("\n")
+            assert first == "2 errors:"
+            assert lines[0].startswith("velocity must have a unit")
+            assert lines[1].endswith("or a blank after each comma of a list")
+            assert page.tab.inner_text("#status").split("\n")[1:] == lines
+    assert chain_of(page.document()).gaps[3] == pytest.approx(1.2e-6)
+
+
 def test_files_are_saved_and_opened(page, tmp_path):
     def save(selector):
         page.tab.click("#open-share")
@@ -1685,7 +1721,10 @@ def test_a_new_defect_is_the_chosen_bead(page):
     page.tab.click("summary:has-text('Defects')")
     page.tab.click("#add-with_defects")
     page.settle()
-    assert page.document()["chain"]["with_defects"][0]["bead"] == 7
+    (defect,) = page.document()["chain"]["with_defects"]
+    assert defect["bead"] == 7
+    own = page.array("beads", "radii")[7]
+    assert defect["radius"] == pytest.approx(1.5 * own, rel=0.3)
 
 
 LISTEN_TO_CANVASES = """() => {

@@ -937,6 +937,8 @@ def test_the_page_does_not_advise_to_call_functions():
         assert notes
         for text in notes:
             assert not re.search(r"\buse (simulate|propagate|bca|effective_chain)\b|theory\.", text)
+    given = "2 errors:\n  [chain] has no cells, which goes with x\n  b of [chain] c"
+    assert on_the_page(given) == "2 errors:\n  enter the number of cells\n  b c"
     assert on_the_page("it takes too long; use hertzchain simulate") == (
         "it takes too long; use hertzchain simulate"
     )

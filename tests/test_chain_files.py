@@ -432,6 +432,8 @@ DEEP = "[" * 3000 + "]" * 3000
         (SI.replace("5e-3", "'5 furlong'"), "unit of radii .* 'furlong': choose from m, cm"),
         (SI.replace("5e-3", "'10,5 mm'"),
          "got '10,5 mm'; write 10.5 mm with a decimal point, or 10 mm, 5 mm for two values$"),
+        (SI.replace("5e-3", "'5,5 mm,5,5 mm'"),
+         "write 5.5 mm with a decimal point, or a list in brackets$"),
         (SI.replace("5e-3", "['10,5 mm', '5 mm']"),
          "value 1 of radii .* got '10,5 mm'; write 10.5 mm with a decimal point$"),
         (SI + "velocity = '0,5 m'",

@@ -232,6 +232,8 @@ def comma_advice(value: object, *, several: bool = False, si: str = "") -> str:
         return f"; write {found[1]}.{found[2]} with a decimal point and a unit such as {units}"
     unit = f" {found[3]}" if found[3] else ""
     two = f", or {found[1]}{unit}, {found[2]}{unit} for two values" if several else ""
+    if two and str(value).count(",") > 1:
+        two = ", or a list in brackets"
     return f"; write {found[1]}.{found[2]}{unit} with a decimal point{two}"
 
 

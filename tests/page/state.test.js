@@ -73,8 +73,10 @@ test("lists are read with numbers and units", () => {
   assert.equal(listOf("", key), undefined);
   assert.equal(listOf("a, b", { kind: "text" }), "a, b");
   // A comma between whole numbers may be a decimal comma: the text is left to the server.
-  for (const text of ["10,5", "10,5 mm", "10 mm, 9,5 mm", "1,5, 2,5", "1,5; 2,5; 3,5", "1,2,3 mm"]) assert.equal(listOf(text, key), text);
+  for (const text of ["10,5", "10,5 mm", "10 mm, 9,5 mm", "1,5, 2,5", "1,5; 2,5; 3,5", "1,2,3 mm", "0,1 um,0,0", "10,5 mm,9,5 mm"]) assert.equal(listOf(text, key), text);
   assert.deepEqual(listOf("10 mm,5 mm", key), ["10 mm", "5 mm"]);
+  assert.deepEqual(listOf("0,0,0,1.2 um,0", key), [0, 0, 0, "1.2 um", 0]);
+  assert.deepEqual(listOf("0,0,0,1 um,0", key), [0, 0, 0, "1 um", 0]);
   assert.deepEqual(listOf("1,0.8,0.64", key), [1, 0.8, 0.64]);
   assert.deepEqual(listOf("0.1,0,0,-1e-2,0", key), [0.1, 0, 0, -0.01, 0]);
   assert.deepEqual(listOf("1,2,3", key), [1, 2, 3]);

@@ -67,6 +67,7 @@ WORDINGS: Final = (
     (r" of \[chain[.\w]*\]", ""),
     # The page describes the chain, and shows the results of these functions.
     (r" \(chain: .*\)$", ""),
+    (r", or a list in brackets$", ", or a blank after each comma of a list"),
     (r"; (?:use (?:simulate|propagate|bca|effective_chain)\b|remove it from the chain$|"
      r"omit (?:it|them): chain)[^;]*$", ""),
 )  # fmt: skip
@@ -83,10 +84,11 @@ def without_advice(warning: str) -> str:
 
 def on_the_page(message: object) -> str:
     """The message without Python expressions for which the page has a control."""
-    text = str(message)
+    # Several errors are in lines of one message.
+    lines = str(message).split("\n  ")
     for expression, words in WORDINGS:
-        text = re.sub(expression, words, text)
-    return text
+        lines = [re.sub(expression, words, each) for each in lines]
+    return "\n  ".join(lines)
 
 
 def warnings_on_the_page(warned: Iterable[Warning]) -> list[str]:

@@ -152,7 +152,7 @@ export class Chart {
     this.cursor(this.at);
   }
 
-  /** Ends of the axes. @param {Series[]} series @param {Axes} axes */
+  /** @param {Series[]} series @param {Axes} axes */
   fit(series, axes) {
     let x0 = Infinity, x1 = -Infinity, y0 = Infinity, y1 = -Infinity;
     const [from, to] = axes.range ?? [-Infinity, Infinity];

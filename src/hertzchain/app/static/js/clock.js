@@ -17,7 +17,6 @@ export function span() {
   return motion && low >= 0 && low < high && low < timeAt(motion.times, 1) ? [placeAt(motion.times, low), placeAt(motion.times, high)] : [0, 1];
 }
 
-/** Place from 0 to 1 in the times shown. */
 export function part() {
   const [from, to] = span();
   return (Math.min(to, clock.u) - from) / (to - from);

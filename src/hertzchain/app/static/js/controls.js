@@ -1,7 +1,7 @@
 /** Controls of a chain file, generated from its schema. */
 
 import { $, Fields, button, choicesOf, hint, make, words } from "./fields.js";
-import { metres, parsed, valued } from "./numbers.js";
+import { inMillimetres, metres, parsed, valued } from "./numbers.js";
 import { at, changed, listed } from "./state.js";
 
 /** @typedef {import("./fields.js").Path} Path */
@@ -123,7 +123,6 @@ export class Controls extends Fields {
     return this.group(key, title, present, [hint(section.description), ...items, ...(present && !several ? [] : [add])]);
   }
 
-  /** Materials that are described in the chain file. */
   ownMaterials() {
     const own = Object.keys(this.document.materials ?? {}), section = this.schema["materials.NAME"];
     const entries = own.map((name) => {
@@ -203,10 +202,12 @@ export class Controls extends Fields {
     const keys = variant ? section.variants[variant] : section.keys;
     const entry = this.begin({ keys }, variant ? { [section.variant_key]: variant } : {});
     const before = listed(this.chain[key]);
-    // A defect of a chain with diameters has a diameter.
-    if (entry.radius && /diameter/.test(Object.keys(this.chain).join())) {
-      entry.diameter = entry.radius;
+    // A defect has 1.5 times the size of the chosen bead.
+    const { size } = this.about.begin;
+    if (entry.bead && size) {
+      const wide = /diameter/.test(Object.keys(this.chain).join()), own = +(size * (wide ? 3 : 1.5)).toPrecision(2);
       delete entry.radius;
+      entry[wide ? "diameter" : "radius"] = this.si ? inMillimetres(own) : own;
     }
     this.opened.add(key);
     // The first striker has the velocity of the impact, and bead 1 is then at rest.
@@ -306,7 +307,7 @@ export class Controls extends Fields {
       () => at(this.document, place) ?? "", (chosen) => this.put(place, chosen || undefined), key.description);
   }
 
-  /** A law within a table. @param {Path} place @param {any} key */
+  /** @param {Path} place @param {any} key */
   lawField(place, key) {
     const section = this.schema["chain.loss"], entry = at(this.document, place);
     if (entry) return make("div", { className: "entry" }, ...this.tableFields(section, place, entry), button("Use the chain’s loss", () => this.put(place, undefined)));

@@ -40,7 +40,6 @@ export class Fields {
   updates = [];
   /** The field that was changed last. */
   last = "";
-  /** Whether the document has an error. */
   refused = false;
 
   /** @param {HTMLElement} host @param {any} about @param {Change} change
@@ -103,7 +102,7 @@ export class Fields {
     return this.unitOf(key, value) || (value >= 1e6 && this.unitOfStiffness(place, key, value) === "N/m" ? "kN/mm" : "");
   }
 
-  /** Slider and exact number. @param {Path} place @param {any} key @param {string} label */
+  /** @param {Path} place @param {any} key @param {string} label */
   numberField(place, key, label) {
     if (key.dimension_if_displacement && at(this.document, [...place.slice(0, -1), "of"]) === "displacement") key = { ...key, dimension: "length" };
     const id = `c-${place.join(".")}`, read = () => at(this.document, place), usual = key.default ?? null;
@@ -144,7 +143,7 @@ export class Fields {
     return make("div", { className: "row", title: key.description }, make("label", { for: id }, label), make("span", { className: "value" }, clear, box, unit), slider);
   }
 
-  /** A list or a value. @param {Path} place @param {any} key @param {string} label */
+  /** @param {Path} place @param {any} key @param {string} label */
   listField(place, key, label) {
     const unit = make("span", { className: "unit" }), box = make("input", { type: "text", id: `c-${place.join(".")}`, placeholder: key.default ?? (key.per ? `one per ${key.per}` : ""), spellcheck: false });
     const own = (/** @type {any} */ each) => typeof each === "number" ? valued(each, this.unitOf(key)) : each;
@@ -158,8 +157,9 @@ export class Fields {
     return make("div", { className: "row wide", title: key.description }, make("label", { for: box.id }, label), unit, box);
   }
 
-  /** Show a message next to the control that was changed last. @param {string} message */
-  problem(message) {
+  /** Mark the fields of errors, and show the message next to one of them. An error that appears is that of the
+   * field in its text, or of the last change. @param {string} message @param {Record<string, string>} causes fields of errors */
+  problem(message, causes) {
     const text = $("problem");
     text.textContent = message;
     if (this.refused !== !!message) {
@@ -168,22 +168,25 @@ export class Fields {
     }
     text.hidden = !message;
     for (const each of this.host.querySelectorAll("[aria-invalid]")) each.removeAttribute("aria-invalid");
-    const control = message ? $(`c-${this.last}`) : null;
-    const row = control?.closest(".row");
-    if (control && row) {
+    this.host.append(text);
+    if (!message) return;
+    for (const each of message.replace(/^\d+ errors:\n/, "").split("\n")) {
+      const key = "." + each.match(/^ *(?:value \d+ of )?([\w ]+?)(?: of (?!bead)[\w ]+)? must/)?.[1].replaceAll(" ", "_");
+      const field = causes[each] ??= (!this.last.includes(key) && this.host.querySelector(`[id$="${key}"]`)?.id.slice(2)) || this.last;
+      const control = $(`c-${field}`), row = control?.closest(".row");
+      if (!row) continue;
       control.setAttribute("aria-invalid", "true");
       control.setAttribute("aria-errormessage", "problem");
-      row.after(text);
-    } else this.host.append(text);
+      if (field === this.last || text.parentNode === this.host) row.after(text);
+    }
   }
-
 }
 
 /** @param {string} text @param {any} key */
 export function listOf(text, key) {
-  // The server explains a comma that may be a decimal comma; three or more plain numbers are a list.
-  const plainList = /^[-+]?[\d.]+(e[-+]?\d+)?(,[-+]?[\d.]+(e[-+]?\d+)?){2,}$/i.test(text.trim());
-  if (!plainList && key.kind === "number" && /(?<![\d.])\d+,\d+(?![\d.])/.test(text)) return text;
+  // The server explains a comma that may be a decimal comma.
+  const listing = !/,\s|;/.test(text) && /\.\d|\d,[-+\de]+,[-+\de]+(,|$)/i.test(text.trim());
+  if (!listing && key.kind === "number" && /(?<![\d.])\d+,\d+(?![\d.])/.test(text)) return text;
   const items = text.split(/[,;\n]+/).map((each) => each.trim()).filter(Boolean)
     .map((each) => (key.kind === "number" ? entered(each) : each));
   if (!items.length) return undefined;

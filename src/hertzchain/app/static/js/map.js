@@ -12,7 +12,6 @@ export class SpaceTime {
     this.image = document.createElement("canvas");
     /** @type {import("./stage.js").Motion | null} */
     this.motion = null;
-    /** First and last time. */
     this.times = [0, 1];
     /** Columns are contacts 0 .. N instead of beads. */
     this.contacts = false;

@@ -40,7 +40,7 @@ export function percent(value, digits, size = Math.abs(value)) {
   return (size >= 1e-6 && size < 1e-3 ? plain(+value.toPrecision(2)).replace("-", "−") : short(value, digits, size)) + "%";
 }
 
-/** The shortest text of a number. @param {number} value @param {number} [digits] */
+/** @param {number} value @param {number} [digits] */
 export const plain = (value, digits = 12) => value === Infinity ? "inf" : String(+value.toPrecision(digits));
 
 /** Round values between two ends, at least a smallest step apart.

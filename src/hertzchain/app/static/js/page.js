@@ -27,7 +27,6 @@ export const results = { A: new Results(), B: new Results() };
 export const record = { record: "", name: "", shift: null, ...about.view?.record };
 let written = location.hash;
 
-/** Results of the chain that the controls change. */
 export function own() {
   return results[state.active];
 }

@@ -64,7 +64,6 @@ export function handleRecords(on) {
   };
 }
 
-/** Show the name, the shift and the remarks on the data. */
 export function showRecord() {
   const { measured } = own(), shown = measured ?? {}, name = shown.name ?? record.name, that = other()?.measured;
   const begins = (/** @type {any} */ { offset }) => String(+(1e6 * offset).toPrecision(5));

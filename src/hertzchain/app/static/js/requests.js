@@ -99,12 +99,12 @@ let received = () => {};
 
 const links = { A: new Link("A"), B: new Link("B") };
 
-/** Call a function after each part of the results. @param {(slot: Slot, kind: string) => void} shown */
+/** @param {(slot: Slot, kind: string) => void} shown */
 export function eachAnswer(shown) {
   received = shown;
 }
 
-/** Forget the requests of a chain that has been replaced. @param {Slot} slot */
+/** @param {Slot} slot */
 export function forget(slot) {
   links[slot].current = links[slot].waiting = null;
 }

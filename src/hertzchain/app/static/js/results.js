@@ -54,6 +54,8 @@ export class Results {
   accepted = null;
   /** Why there is no newer result. */
   problem = "";
+  /** Fields of the errors in it. @type {Record<string, string>} */
+  causes = {};
   /** @type {string[]} */
   pending = [];
   settled = false;
@@ -61,7 +63,7 @@ export class Results {
    * @type {any} */
   measured = null;
 
-  /** Take a message; returns its kind. @param {Part} part @returns {string} */
+  /** @param {Part} part @returns {string} */
   take(part) {
     const { header, arrays } = part, kind = header.part;
     if (kind === "status") this.pending = header.pending;
@@ -69,6 +71,7 @@ export class Results {
     if (kind === "beads") {
       this.beads = part;
       this.problem = "";
+      this.causes = {};
       // Results of another number of beads cannot be shown.
       if (this.motion && this.motion.beads !== header.beads) this.motion = null;
       if (this.exact("velocity") && this.exact("velocity").length !== header.beads) this.pulse = START();
@@ -127,5 +130,5 @@ export class Results {
   }
 }
 
-/** Name of a theory for people. @param {string} name */
+/** @param {string} name */
 export const title = (name) => name.replace("-printed", ", printed").replace("two-thirds", "2/3").replace(/-(?!rate)/g, " ").replace(/rate$/, "rate law").replace("bca", "BCA");

@@ -7,7 +7,7 @@ import { about, own, record, say, state } from "./page.js";
 import { openAs } from "./show.js";
 import { copy, toLink } from "./state.js";
 
-/** Offer a file to save. @param {string} name @param {Blob} blob */
+/** @param {string} name @param {Blob} blob */
 function offer(name, blob) {
   const link = make("a", { href: URL.createObjectURL(blob), download: name });
   link.click();
@@ -26,7 +26,6 @@ function picture(radii, moving) {
   return drawing;
 }
 
-/** What the server needs for a file of the chain that the controls change. */
 function request() {
   const { view } = state, { sensors, quantity, clock, until } = view, slot = state.active, other = state.B && state[slot === "A" ? "B" : "A"];
   return {
@@ -61,7 +60,7 @@ export function fillDialogs() {
   }
   $("open-share").addEventListener("click", () => {
     const description = own().beads.header?.description ?? "", { problem } = own();
-    $("share-of").textContent = state.B ? `Chain ${state.active} of A and B: ${description}. The link, the page and the figure of the leading pulse contain both chains; the other files contain only this one.` : description;
+    $("share-of").textContent = state.B ? `Chain ${state.active} of A and B${problem ? " has an error" : description && `: ${description}`}. The link, the page and the figure of the leading pulse contain both chains; the other files contain only this one.` : description;
     for (const each of document.querySelectorAll("[data-export]")) /** @type {any} */ (each).disabled = problem;
     tell(problem, true);
   });

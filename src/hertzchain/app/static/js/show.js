@@ -50,7 +50,7 @@ export function view(some) {
   redraw();
 }
 
-/** Draw some parts again, or all. @param {Part[]} parts */
+/** @param {Part[]} parts */
 export function redraw(...parts) {
   for (const each of parts.length ? parts : /** @type {Part[]} */ (Object.keys(dirty))) dirty[each] = true;
   wake();
@@ -75,6 +75,7 @@ export function showAll() {
     $(`lane-${slot}`).classList.toggle("active", slot === state.active && state.B !== null);
   }
   for (const each of document.querySelectorAll(".own")) each.textContent = state.B ? `, chain ${state.active}` : "";
+  controls.last = "";
   controls.show(state[state.active]);
   showView();
   showHistory();
@@ -96,6 +97,7 @@ function showView() {
   $("bead").value = String(v.bead);
   // A new defect is the chosen bead.
   about.begin.other.bead = Math.max(1, ball());
+  about.begin.size = own().beads.arrays.get("radii")?.[v.bead - 1];
   if (document.activeElement !== $("until")) $("until").value = v.until ? plain(own().si ? 1e3 * v.until : v.until) : "";
   $("until-unit").textContent = own().si ? "ms" : "";
 }
@@ -153,14 +155,13 @@ function problem(slot) {
 function showStatus() {
   const found = own(), text = found.problem;
   document.body.classList.toggle("stale", text !== "");
-  controls.problem(text);
+  controls.problem(text, found.causes);
   if (text) return say(text, true);
   const { message, energy_drift, success } = found.run.header ?? {};
   if (found.pending.length && !found.motion) say(whyBlank(found));
   else if (message) say(`${upper(state.B ? `chain ${state.active}: ${message}` : message)}; energy adds up within ${energy_drift.toExponential(0)}.`, !success);
 }
 
-/** Draw the parts that have changed, and all that moves. */
 export function draw() {
   const found = own(), time = found.motion ? timeAt(found.motion.times, placeOf(state.active)) : 0;
   if (dirty.pulse || dirty.times) showTitles();
@@ -318,7 +319,7 @@ export function compare() {
   request(SLOTS, false);
 }
 
-/** Show other chains. @param {Partial<import("./state.js").State>} next */
+/** @param {Partial<import("./state.js").State>} next */
 export function open(next) {
   history.note(snapshot(), false);
   Object.assign(state, next);
@@ -327,7 +328,6 @@ export function open(next) {
     results[slot] = new Results();
     forget(slot);
   }
-  controls.last = "";
   clock.u = 0;
   showAll();
   request(SLOTS, false);

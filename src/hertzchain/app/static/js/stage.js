@@ -18,7 +18,7 @@ const FULL = 32767;
 const RIM = 6;
 const MOST = 6, LEAST = 0.15;
 
-/** A circle, or a plate. @param {Pen} pen @param {number} x @param {number} y @param {number} r */
+/** @param {Pen} pen @param {number} x @param {number} y @param {number} r */
 function circle(pen, x, y, r, h = r) {
   pen.beginPath();
   if (h > r) pen.rect(x - r, y - h, 2 * r, 2 * h);
@@ -174,7 +174,7 @@ export class Stage {
     return [this.heights, this.centres].map((each) => each[k] + (place - k) * ((each[k + 1] ?? 0) - each[k]));
   }
 
-  /** Where the camera looks. @param {number} front */
+  /** @param {number} front */
   aim(front) {
     if (this.drag && !this.drag.wall) {
       this.look = this.drag.look;

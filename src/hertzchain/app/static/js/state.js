@@ -18,10 +18,10 @@ export const VIEW = {
  * @type {[string, keyof View, boolean?][]} */
 export const SELECTS = [["quantity", "quantity"], ["camera", "camera"], ["map-of", "map"], ["map-scale", "scale"], ["budget-of", "budget"], ["force-scale", "forces"], ["errors", "errors"], ["clock", "clock", true]];
 
-/** A copy. @template T @param {T} item @returns {T} */
+/** @template T @param {T} item @returns {T} */
 export const copy = (item) => structuredClone(item);
 
-/** Value at a path, or undefined. @param {any} item @param {(string | number)[]} path */
+/** @param {any} item @param {(string | number)[]} path */
 export function at(item, path) {
   for (const name of path) item = item?.[name];
   return item;

@@ -169,7 +169,7 @@ export class Views {
     this.drawModes(own);
   }
 
-  /** Unit of times. @param {Results} own */
+  /** @param {Results} own */
   timeAxis(own) {
     const [factor, unit] = own.si && own.motion ? prefixed(own.motion.times[own.motion.count - 1], "s") : [1, ""];
     return { factor, unit, label: inUnit("time", unit) };
@@ -270,7 +270,7 @@ export class Views {
     replace($("legend-error"), [table(["chain", "A", "B", "B / A"], rows)]);
   }
 
-  /** Frequencies of small oscillations. @param {Results} own */
+  /** @param {Results} own */
   drawModes(own) {
     const frequencies = own.run.arrays.get("modes.frequency"), message = own.run.header.spectrum;
     if (own.run.header.draft && !frequencies && !message) return;
@@ -327,7 +327,7 @@ function table(head, rows, chosen) {
   return make("table", {}, make("thead", {}, make("tr", {}, ...head.map((text) => make("th", { scope: "col" }, text)))), make("tbody", {}, ...body));
 }
 
-/** A piece of a curve. @param {string} name */
+/** @param {string} name */
 function sample(name) {
   const drawing = svg("svg", { viewBox: "0 0 26 8", class: "sample", "aria-hidden": "true" });
   drawing.append(svg("path", { class: `line ${name}`, d: "M1 4H25" }));
@@ -411,7 +411,7 @@ function worst(values, exact, free) {
   return most;
 }
 
-/** Curves in words. @param {Series[]} series */
+/** @param {Series[]} series */
 function summary(series) {
   return series.map((each) => {
     const last = each.y[each.y.length - 1];

@@ -2166,8 +2166,12 @@ def test_measured_data_are_shown_over_the_forces_and_can_be_shifted(browser, tmp
         assert "column 'CH1' does not name the place" in tab.text_content("#record-note")
         assert tab.locator("#chart-force .measured").count() == 0
         # A sensor that a wrong place has added is removed when the place is corrected.
-        for place, sensors in (("ball 6", [6]), ("ball 4", [4])):
-            tab.fill("#record-sensors", f"CH1={place}, CH2=wall")
+        # A place in both lists, of ball 4, remains the second sensor, of the same colour.
+        for place, second, sensors in (
+            ("ball 6", "ball 4", [6, 4]), ("ball 4", "ball 3", [3, 4]),
+            ("ball 6", "wall", [6]), ("ball 4", "wall", [4]),
+        ):  # fmt: skip
+            tab.fill("#record-sensors", f"CH1={place}, CH2={second}")
             tab.press("#record-sensors", "Tab")
             tab.locator("#legend-force .key", has_text=f"measured {place}").wait_for()
             page.settle()

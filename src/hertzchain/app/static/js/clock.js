@@ -22,7 +22,7 @@ export function part() {
   return (Math.min(to, clock.u) - from) / (to - from);
 }
 
-/** Call a function in each frame in which something may have changed. @param {() => void} drawn */
+/** @param {() => void} drawn */
 export function eachFrame(drawn) {
   draw = drawn;
 }

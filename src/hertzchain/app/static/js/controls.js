@@ -185,7 +185,7 @@ export class Controls extends Fields {
     }
   }
 
-  /** A table with values for its required keys. @param {any} section @param {any} table */
+  /** @param {any} section @param {any} table */
   begin(section, table) {
     for (const key of section.keys) {
       const low = key.least ?? key.above ?? 0, high = key.most ?? key.below ?? low + 1;

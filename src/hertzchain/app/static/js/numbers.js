@@ -57,7 +57,7 @@ export function ticks(low, high, count, least = 0) {
   return found;
 }
 
-/** Digits with which the labels of equally spaced ticks differ. @param {number[]} marks */
+/** @param {number[]} marks */
 export function digitsOf(marks) {
   const most = Math.max(...marks.map(Math.abs)), step = marks[1] - marks[0];
   return step > 0 ? Math.max(4, 1 + Math.ceil(Math.log10(most / step) + 1e-9)) : 4;

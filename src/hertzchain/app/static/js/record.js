@@ -19,7 +19,9 @@ async function read(changed) {
     Object.assign(record, found, { shift: null });
     const kept = state.view.sensors.filter((each) => !added.includes(each));
     added = balls.filter((/** @type {number} */ each) => !kept.includes(each));
-    changed([...kept, ...added].slice(-4));
+    const { sensors } = state.view, all = [...kept, ...added].slice(-4), fresh = all.filter((each) => !sensors.includes(each));
+    // Sensors keep their colours.
+    changed([...sensors.map((each) => all.includes(each) ? each : fresh.shift() ?? NaN), ...fresh].filter(Number.isFinite));
   } catch (error) {
     problem = error instanceof Error ? error.message : String(error);
     record.record = "";

@@ -191,7 +191,7 @@ export class Stage {
     this.look = { scale, x: x - W / 2 / scale };
   }
 
-  /** Draw everything at a frame, which may have a fraction. @param {number} frame @param {number} front */
+  /** @param {number} frame @param {number} front */
   draw(frame, front) {
     const { pen, W, H } = penOf(this.canvas);
     if (!this.radii.length) return;

@@ -85,7 +85,7 @@ export class Views {
     for (const [name, { note }] of own.theories) for (const each of document.querySelectorAll(`.plot .${name}`)) each.classList.toggle("pale", !!note);
   }
 
-  /** Why no curve is shown. @param {Results} own */
+  /** @param {Results} own */
   reason(own) {
     if (!own.pulse.header) return whyBlank(own);
     const refusal = own.theories.map(([, each]) => each.refusal).find(Boolean);

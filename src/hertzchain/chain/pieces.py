@@ -113,8 +113,8 @@ def joined(self: C, other: C) -> C:
 
     The chains touch.  The first bead of each scaled chain has the radius 1, so that
     ``Chain.uniform(3) + Chain.from_radii([2, 2])`` has five equal beads; give all scaled radii in
-    one call of `Chain.from_radii` instead.  The impact on ``other`` is dropped; other initial velocities are kept.  Gravity and precompression must
-    agree.
+    one call of `Chain.from_radii` instead.  The impact on ``other`` is dropped; other initial
+    velocities are kept.  Gravity and precompression must agree.
 
     Parameters
     ----------

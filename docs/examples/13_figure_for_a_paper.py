@@ -51,7 +51,6 @@ with hc.figure_style("single column"):
     hc.plot_pulses(
         [exact, bca, law], log=True, residuals=True, ax=(middle, bottom),
     )
-    bottom.set_ylabel("difference from\npropagation [%]")
 
 # %%
 # A map

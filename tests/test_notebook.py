@@ -506,9 +506,15 @@ def test_the_view_of_a_run_of_a_decorated_chain_has_its_large_beads():
 
 def test_the_view_of_a_disordered_chain_has_the_spread():
     chain = hc.Chain.uniform(20)
-    band = "± one standard deviation"
-    assert band in hc.disorder(chain, scatter=0.02)._repr_html_()
-    assert band not in hc.propagate(chain)._repr_html_()
+    pulse = hc.disorder(chain, scatter=0.02)
+    shown = f" +- {100.0 * pulse.velocity_spread[-1]:.2f}%"
+    assert shown in repr(pulse)
+    assert shown in str(pulse)
+    html = pulse._repr_html_()
+    assert shown.replace("+-", "±") in html
+    for words in ("spread [%]", "one standard deviation"):
+        assert words in html
+        assert words not in hc.propagate(chain)._repr_html_()
 
 
 def test_last_bead_at_a_free_end_is_apart():

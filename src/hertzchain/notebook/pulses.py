@@ -9,6 +9,7 @@ import numpy as np
 from ..pulse.comparison import BEFORE_END, DRAWN, Comparison
 from ..pulse.free_end import ends_free
 from ..pulse.pulse import Pulse
+from ..representation import percent
 from .drawing import (
     COLOURS,
     Curve,
@@ -26,8 +27,9 @@ from .drawing import (
 
 # Ratio of the largest and smallest velocity from which the axis is logarithmic.
 LOG_RANGE: Final = 30.0
-# Label of the band of a spread.
-SPREAD: Final = "± one standard deviation"
+# Sentence below the figure of spreads, and the height [px] of this figure.
+SPREAD: Final = "Spread: one standard deviation over random chains."
+SPREAD_HEIGHT: Final = 120
 # Errors below this fraction of the largest are not drawn.
 MIN_SHOWN: Final = 1e-4
 
@@ -42,15 +44,12 @@ def pulse_html(pulse: Pulse) -> str:
     end = len(pulse.velocity) - ends_free(pulse, "velocity")
     marks = [Mark(float(beads), factor * pulse.velocity[-1], "")] if end < beads else []
     curves = [Curve(pulse.bead[:end].astype(float), factor * pulse.velocity[:end], "mean")]
-    if pulse.velocity_spread is not None:
-        part, middle = np.exp(pulse.velocity_spread[:end]), curves[0]
-        band = Curve(middle.x, middle.y * part, SPREAD, COLOURS[5], base=middle.y / part)
-        curves = [band, middle]
     figure = chart(curves, "bead k", f"velocity{unit}", log=log, whole=True, marks=marks)
-    if len(curves) > 1:
-        figure = legend((each.label, each.colour) for each in curves) + figure
     last = "last bead (free end)" if marks else "last bead"
     found = {last: f"{beads}", "velocity": engineering(pulse.velocity[-1], "m/s", units)}
+    if pulse.velocity_spread is not None:
+        figure += _spreads(pulse, free=bool(marks))
+        found["velocity"] += f" +- {percent(pulse.velocity_spread[-1])}"
     found["momentum"] = engineering(pulse.momentum[-1], "N s", units)
     found["energy"] = engineering(pulse.energy[-1], "J", units)
     if pulse.arrival is not None:
@@ -62,6 +61,24 @@ def pulse_html(pulse: Pulse) -> str:
     notes = [note(sentence(text.rstrip("."))) for text in pulse._all_notes()]
     return page("Pulse", f"by {pulse.method}: {pulse.chain.description}", figure, numbers(found),
                 *notes)  # fmt: skip
+
+
+def _spreads(pulse: Pulse, *, free: bool) -> str:
+    """Relative standard deviations along the chain: bands around the curves would be thin."""
+    curves: list[Curve] = []
+    marks: list[Mark] = []
+    for name in ("velocity", "arrival", "peak_force"):
+        spread = pulse.column(f"{name}_spread")
+        if spread is None:
+            continue
+        shown, place = 100.0 * spread, np.arange(1.0, len(spread) + 1.0)
+        end = len(spread) - (free and ends_free(pulse, name))
+        colour = COLOURS[len(curves)]
+        curves.append(Curve(place[:end], shown[:end], name.replace("_", " "), colour))
+        marks += [Mark(place[-1], float(each), "", colour) for each in shown[end:]]
+    return legend((each.label, each.colour) for each in curves) + chart(
+        curves, "bead or contact k", "spread [%]", marks=marks, whole=True, height=SPREAD_HEIGHT
+    ) + note(SPREAD)  # fmt: skip
 
 
 def comparison_html(comparison: Comparison) -> str:

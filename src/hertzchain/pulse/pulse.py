@@ -398,7 +398,7 @@ class Pulse(Columns, NoEntries):
         """Velocity of the last bead; speed and, in SI units, force in the middle of the chain."""
         units, contact = self.chain.units, self.chain.beads // 2
         alternating = alternates_at(self.speed, contact)
-        last = measure(self.velocity[-1], "m/s", units, digits)
+        spread = "" if self.velocity_spread is None else f" +- {percent(self.velocity_spread[-1])}"
         middle = [
             f"{name} {measure(values[contact - 1], unit, units)}"
             for name, values, unit in (
@@ -407,7 +407,7 @@ class Pulse(Columns, NoEntries):
             )
             if values is not None and np.isfinite(values[contact - 1])
         ]
-        shown = f"v_{self.chain.beads} = {last}"
+        shown = f"v_{self.chain.beads} = {measure(self.velocity[-1], 'm/s', units, digits)}{spread}"
         if alternating and self.residence is not None:
             shown += f"; speed {over_two_contacts(self.chain, self.residence, contact)}"
         return f"{shown}; {', '.join(middle)} at contact {contact}" if middle else shown

@@ -139,9 +139,11 @@ class Forecast(Estimates):
         """
         triples = zip(self.model.parameters, self.estimates, self.sigmas, strict=True)
         return [
-            (str(each), shown_value(each, self.model.traces, value, sigma, at_bound=False))
+            (str(each), shown_value(
+                each, self.model.traces, value, sigma, at_bound=False, digits=4
+            ))
             for each, value, sigma in triples
-        ]
+        ]  # fmt: skip
 
     def summary(self, *, width: int | None = SUMMARY_WIDTH) -> str:
         """Values with errors and all remarks, as text.

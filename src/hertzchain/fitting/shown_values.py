@@ -27,9 +27,15 @@ FACTOR, NO_AGREEMENT = 2.0, 1e-6
 
 
 def shown_value(
-    parameter: Parameter, traces: Traces, value: float, sigma: float, *, at_bound: bool
+    parameter: Parameter,
+    traces: Traces,
+    value: float,
+    sigma: float,
+    *,
+    at_bound: bool,
+    digits: int = 2,
 ) -> str:
-    """Value, error and unit of a parameter."""
+    """Value, error and unit of a parameter; ``digits`` are those of a value without an error."""
     unit = unit_of_parameter(parameter, traces)
     if 0.0 < sigma < np.inf and not at_bound:
         return shown_with_error(value, sigma, unit)
@@ -38,7 +44,8 @@ def shown_value(
     if at_bound and abs(factor * value) < NEARLY_ZERO:
         return "0 (at its bound)"
     if not at_bound:
-        return f"{factor * value:.2g} {unit}".rstrip() + " (not determined)"
+        shown = float(f"{factor * value:.{digits}g}")
+        return f"{shown:g} {unit}".rstrip() + " (not determined)"
     return f"{factor * value:.5g} {unit}".rstrip() + " (at its bound)"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -131,9 +131,13 @@ def uncertainty(
         [name for name, ok in zip(names, free, strict=True) if ok],
         physical[:, free], estimates[free], np.where(factors, estimates, sizes)[free], priors,
     )  # fmt: skip
-    for each in weak:
-        if each.exact and not each.fixed_by:
-            sigmas[[name in each.weights for name in names]] = np.inf
+    free_directions = [each for each in weak if each.exact and not each.fixed_by]
+    lost = {name for each in free_directions for name in each.weights}
+    sigmas[[name in lost for name in names]] = np.inf
+    weak = tuple(
+        replace(each, undetermined=tuple(name for name in each.weights if name in lost))
+        if each.fixed_by else each for each in weak
+    )  # fmt: skip
     held = held_by_priors(names, jacobian[:, free], [*priors], change[:, free])
     # The variance of a parameter without an error means nothing.
     known = {name for name, sigma in zip(names, sigmas, strict=True) if np.isfinite(sigma)}

@@ -42,12 +42,15 @@ class WeakDirection:
         Whether the data do not depend on the direction at all.
     fixed_by : tuple of str
         Parameters whose priors fix the direction.
+    undetermined : tuple of str
+        Parameters of a direction with ``fixed_by`` that are also in a direction that nothing fixes.
     """
 
     weights: dict[str, float]
     error: float
     exact: bool
     fixed_by: tuple[str, ...]
+    undetermined: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         alone = len(self.weights) == 1
@@ -60,7 +63,11 @@ class WeakDirection:
             )
         them = "it" if alone else "them"
         priors, fix = ("priors", "fix") if len(self.fixed_by) > 1 else ("prior", "fixes")
-        return f"{text}; only the {priors} of {grouped(list(self.fixed_by))} {fix} {them}"
+        text = f"{text}; only the {priors} of {grouped(list(self.fixed_by))} {fix} {them}"
+        if not self.undetermined:
+            return text
+        are = "is" if len(self.undetermined) == 1 else "are"
+        return f"{text}, except {grouped(list(self.undetermined))}, which {are} not determined"
 
     def _one(self) -> str:
         return (

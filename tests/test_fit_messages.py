@@ -11,6 +11,7 @@ from scipy_row import BALLS, FREE, TRUTH, VELOCITY, chain, recorded, traces
 
 import hertzchain as hc
 from hertzchain.cli import cli
+from hertzchain.fitting.shown_values import shown_with_error
 from hertzchain.fitting.weak_directions import WeakDirection
 from hertzchain.plotting.fits import residual_bins
 from hertzchain.representation import with_error
@@ -391,6 +392,14 @@ def test_an_odd_ball_is_found_and_parameters_are_added(run, tmp_path):
 )  # fmt: skip
 def test_value_and_error_have_the_same_decimals(value, error, text):
     assert with_error(value, error) == text
+
+
+def test_errors_of_stiffness_have_usual_units():
+    for value, unit, text in (
+        (5e7, "N/m", "50.0 +- 1.0 kN/mm"), (5e3, "N/m", "5.00 +- 0.10 N/mm"),
+        (5e10, "N/m^1.5", "50.0 +- 1.0 N/um^1.5"), (5e3, "N/m^2", "5000 +- 100 N/m^2"),
+    ):  # fmt: skip
+        assert shown_with_error(value, 0.02 * value, unit) == text
 
 
 def test_unknown_parameters_are_listed_with_the_sensors_of_the_data():

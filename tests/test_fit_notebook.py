@@ -146,6 +146,10 @@ def test_comparisons_of_losses_and_scans_show_what_they_found(result):
     for each in compared.fits:
         assert f"{each.law} {each.bic - compared.fits[0].bic:.1f} {each.result.chi2:.1f}" in text
     assert compared.statement[1:] in text
+    assert [each.mark for each in compared.fits] == ["", "*"]
+    assert f"{compared.fits[1].result.chi2:.1f}*" in text
+    assert "* this law does not describe the data: its values and their errors" in text
+    assert text.count("*") == compared.summary(width=None).count("*") == 2
     scan = hc.scan_defects(result)
     text, figures = parsed(scan)
     assert figures == 1

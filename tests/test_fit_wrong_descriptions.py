@@ -160,7 +160,7 @@ def test_a_slightly_stiffer_wall_is_no_noise(seed):
     priors = {"struck_by.velocity": (VELOCITY, 0.01 * VELOCITY)}
     data = traces(np.random.default_rng(seed), wall_young=201e9)
     (advice,) = hc.fit(data, chain(), free=[*FREE, "gain[*]"], priors=priors).advice
-    assert re.search(r"with right_wall.stiffness = \(\S+ \+- \S+\)e\+10 N/m\^1.5, chi2", advice)
+    assert re.search(r"with right_wall.stiffness = \S+ \+- \S+ N/um\^1\.5, chi2", advice)
     assert "add 'right_wall.stiffness' to the free parameters" in advice
     assert "noise" not in advice
 

@@ -330,12 +330,16 @@ def mass_in_words(mass: float) -> str:
 
 def stiffness_in_words(stiffness: float, exponent: float) -> str:
     """A stiffness in N/m^p: N/m, N/mm or kN/mm if p = 1, and N/um^1.5 for large ones of Hertz."""
-    factor, unit = 1.0, f"N/m^{exponent:g}"
-    if exponent == 1.0:
-        factor, unit = (
-            (1e-6, "kN/mm") if stiffness >= 1e6 else (1e-3, "N/mm") if stiffness >= 1e3
-            else (1.0, "N/m")
-        )  # fmt: skip
-    elif exponent == HERTZ_EXPONENT and stiffness >= MICRONS:
-        factor, unit = 1e-9, "N/um^1.5"
+    factor, unit = unit_of_stiffness(stiffness, exponent)
     return f"{factor * stiffness:.4g} {unit}"
+
+
+def unit_of_stiffness(stiffness: float, exponent: float) -> tuple[float, str]:
+    """Factor and unit in which a stiffness is shown."""
+    if exponent == 1.0:
+        if stiffness >= 1e6:
+            return 1e-6, "kN/mm"
+        return (1e-3, "N/mm") if stiffness >= 1e3 else (1.0, "N/m")
+    if exponent == HERTZ_EXPONENT and stiffness >= MICRONS:
+        return 1e-9, "N/um^1.5"
+    return 1.0, f"N/m^{exponent:g}"

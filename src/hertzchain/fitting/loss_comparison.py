@@ -38,6 +38,7 @@ DEFAULT_LAWS: Final = (
 )  # fmt: skip
 # Differences of BIC above this value decide (odds of more than a hundred).
 DECIDES: Final = 10.0
+MARKED: Final = "* this law does not describe the data: its values and their errors have no meaning"
 # Largest number of starts of each law.
 STARTS: Final = 4
 # Velocities, relative to that of the first shot, at which a further shot is considered.
@@ -64,6 +65,12 @@ class LossFit:
     result: FitResult | None
     reason: str = ""
     bic: float = np.inf
+
+    @property
+    def mark(self) -> str:
+        """An asterisk if the law does not describe the data."""
+        found = self.result
+        return "" if found is None or (found.goodness.accepted and not found.meaningless) else "*"
 
 
 @checked_methods
@@ -122,12 +129,17 @@ class LossComparison:
                 continue
             rows = [f"{name} = {row}" for name, row in each.result.rows() if "loss" in name]
             lines.append(
-                f"{each.law:<14} {each.bic - self.fits[0].bic:>9.1f} {each.result.chi2:>10.1f}  "
-                f"{', '.join(rows)}".rstrip()
+                f"{each.law:<14} {each.bic - self.fits[0].bic:>9.1f} {each.result.chi2:>10.1f}"
+                f"{each.mark:<2}{', '.join(rows)}".rstrip()
             )
         columns = summary_width(width)
         table = folded("\n".join(lines), columns, lines[0].index("parameters"))
-        return f"{table}\n{folded(self.statement, columns)}"
+        return "\n".join((table, *(folded(note, columns) for note in self._notes)))
+
+    @property
+    def _notes(self) -> tuple[str, ...]:
+        """The meaning of the mark, if there is one, and the statement."""
+        return (*[MARKED] * any(each.mark for each in self.fits), self.statement)
 
     @property
     def statement(self) -> str:

@@ -8,6 +8,8 @@ from typing import Final
 import numpy as np
 
 from ..chain.chain import Chain
+from ..chain.description import unit_of_stiffness
+from ..collision import HERTZ_EXPONENT
 from ..representation import IN_VOLTS, usual_unit, with_error
 from ..traces.headers import GAIN_UNITS
 from ..traces.traces import Traces
@@ -19,6 +21,8 @@ SHOWN: Final[Mapping[str, tuple[float, str]]] = {
     "m": (1e6, "um"),
     "Pa": (1e-9, "GPa"),
 }
+# Exponents of contacts, by the units of stiffness that have usual multiples.
+STIFFNESS: Final[Mapping[str, float]] = {"N/m": 1.0, "N/m^1.5": HERTZ_EXPONENT}
 # Values at a bound, in the unit shown, that are zero.
 NEARLY_ZERO: Final = 1e-6
 # Ratio from which values are compared by their ratio instead of a difference in percent, and the
@@ -57,6 +61,8 @@ def shown_with_error(value: float, sigma: float, unit: str) -> str:
 
 def factor_and_unit(value: float, unit: str) -> tuple[float, str]:
     """Factor and unit in which a value of a parameter is shown."""
+    if unit in STIFFNESS:
+        return unit_of_stiffness(value, STIFFNESS[unit])
     return usual_unit(value, unit) if unit in IN_VOLTS else SHOWN.get(unit, (1.0, unit))
 
 

@@ -125,10 +125,12 @@ def loss_comparison_html(compared: LossComparison) -> str:
             continue
         values = [f"{name} = {row}" for name, row in each.result.rows() if "loss" in name]
         delta = each.bic - compared.fits[0].bic
-        rows.append((each.law, f"{delta:.1f}", f"{each.result.chi2:.1f}", ", ".join(values)))
+        rows.append(
+            (each.law, f"{delta:.1f}", f"{each.result.chi2:.1f}{each.mark}", ", ".join(values))
+        )
     return page(
         "LossComparison", counted(len(rows), "law"),
-        table(("law", "delta BIC", "chi2", "parameters"), rows), *_notes((compared.statement,)),
+        table(("law", "delta BIC", "chi2", "parameters"), rows), *_notes(compared._notes),
     )  # fmt: skip
 
 

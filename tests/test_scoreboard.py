@@ -4,11 +4,14 @@ import warnings
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 import hertzchain as hc
-from hertzchain.evaluation.cases import FREE_END, Case, paper_cases, unseen_cases
+from hertzchain.cli import cli
+from hertzchain.evaluation import percentage
+from hertzchain.evaluation.cases import FREE_END, GROUPS, Case, paper_cases, unseen_cases
 from hertzchain.evaluation.evaluate import evaluate, scoreboard
-from hertzchain.evaluation.scoreboard import QUANTITIES, percentage
+from hertzchain.evaluation.scoreboard import QUANTITIES
 from hertzchain.evaluation.unseen_tapers import (
     bump,
     hourglass,
@@ -247,6 +250,18 @@ def test_dataframe_holds_the_same(board):
     table = board.table("energy", first_bead=2, statistic="rms", by="case")
     assert rows.loc[("bca", "waist", "energy", 2), "rms"] == table.loc["waist", "bca"]
     assert len(rows) == len(board.theories) * len(board.cases) * len(QUANTITIES) * 2
+
+
+def test_text_and_view_have_the_table_of_the_command_line(board):
+    shown = CliRunner().invoke(cli, ["scoreboard"]).output
+    rows = {line for line in shown.splitlines() if line.startswith(" ") and "." in line}
+    words = {" ".join(line.split()) for line in rows}
+    found = {" ".join(line.split()) for line in str(board).splitlines()}
+    assert len(words) > 20
+    assert words <= found
+    assert max(map(len, str(board).splitlines())) <= 88
+    for text in (*GROUPS.values(), *board.theories, "2652<", "50*<"):
+        assert text in board._repr_html_().replace("&#x27;", "'")
 
 
 def test_percentages_have_two_digits():

@@ -74,31 +74,20 @@ def _scoreboard_table(
     from rich import box
     from rich.table import Table
 
-    from ..evaluation.cases import GROUPS
-    from ..evaluation.scoreboard import percentage
+    from ..evaluation.scoreboard_rows import CAPTION, scoreboard_rows, scoreboard_title
 
-    errors = board.table(quantity, first_bead=first_bead, statistic=statistic, by=by)  # type: ignore[arg-type]
-    outside = board.outside(by)  # type: ignore[arg-type]
     table = Table(
-        title=f"{quantity}: {statistic} relative error in %, k = {first_bead}..{board.last_bead} "
-        f"of {len(board.cases)} chains",
-        caption="– not supported   * outside the range of the theory, which issues a warning",
+        title=scoreboard_title(board, quantity, first_bead, statistic), caption=CAPTION,
         box=box.SIMPLE_HEAD, title_justify="left", caption_justify="left", pad_edge=False,
         padding=0, show_edge=False,
     )  # fmt: skip
     table.add_column("", no_wrap=True)
     for theory in board.theories:
         table.add_column(theory.replace("-", "-\n"), justify="right", vertical="bottom")
-    group = None
-    for label, members in board.rows(by).items():  # type: ignore[arg-type]
-        if board.cases[members[0]].group != group:
-            group = board.cases[members[0]].group
+    for label, cells in scoreboard_rows(board, quantity, first_bead, statistic, by):  # type: ignore[arg-type]
+        if cells:
+            table.add_row(f" {label}", *cells)
+        else:
             table.add_section()
-            table.add_row(f"[bold]{GROUPS[group]}[/]")
-        cells = [percentage(error) for error in errors.loc[label]]
-        starred = (
-            cell + ("*" if warned and cell != "–" else " ")
-            for cell, warned in zip(cells, outside.loc[label], strict=True)
-        )
-        table.add_row(f" {label}", *starred)
+            table.add_row(f"[bold]{label}[/]")
     return table

@@ -19,7 +19,7 @@ from ..collision import Array
 from ..errors import InputError
 from ..pulse.quantities import QUANTITIES as TABLE
 from ..representation import counted, listed
-from ..validation.keywords import checked_arguments, checked_methods
+from ..validation.keywords import checked_methods
 from ..validation.numbers import whole_number
 from ..validation.objects import check_choice
 from .cases import FIRST_BEADS, Case
@@ -413,34 +413,15 @@ class Scoreboard:
         theories = "1 theory" if len(self.theories) == 1 else f"{len(self.theories)} theories"
         return f"Scoreboard({theories} on {counted(len(self.cases), 'chain')})"
 
+    def __str__(self) -> str:
+        from .scoreboard_rows import scoreboard_text
 
-@checked_arguments("percentage")
-def percentage(error: float) -> str:
-    """Format a relative error in % with two digits, or a dash for NaN.
+        return scoreboard_text(self)
 
-    Parameters
-    ----------
-    error : float
-        Relative error; NaN if a theory does not support a chain.
+    def _repr_html_(self) -> str:
+        from ..notebook.theories import scoreboard_html
 
-    Returns
-    -------
-    str
-        Number without the % sign.
-
-    Examples
-    --------
-    >>> import hertzchain as hc
-    >>> errors = 26.517, 0.5312, 0.0718, 0.00123, float("nan")
-    >>> [hc.evaluation.percentage(error) for error in errors]
-    ['2652', '53', '7.2', '0.12', '–']
-    """
-    if np.isnan(error):
-        return "–"
-    percent = 100.0 * error
-    exponent = int(f"{percent:.1e}".partition("e")[2])
-    decimals = 0 if percent == 0.0 else max(0, 1 - exponent)
-    return f"{percent:.{decimals}f}"
+        return scoreboard_html(self)
 
 
 def _summarise(values: Array, statistic: Statistic) -> float:

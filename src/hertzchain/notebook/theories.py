@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..calibration import Calibration, error_text
+from ..evaluation.scoreboard import Scoreboard
+from ..evaluation.scoreboard_rows import CAPTION, scoreboard_rows, scoreboard_title
 from ..theory.effective_chain import EffectiveChain
 from ..theory.solitary_wave import SolitaryWave
 from .drawing import (
@@ -47,6 +49,14 @@ def solitary_wave_html(wave: SolitaryWave) -> str:
         legend((curve.label, curve.colour) for curve in curves),
         chart(curves, "distance from the crest [beads]", "value / crest value"), numbers(shown),
     )  # fmt: skip
+
+
+def scoreboard_html(board: Scoreboard) -> str:
+    """Largest errors of the velocity from bead 10 on, by family of chains."""
+    about = scoreboard_title(board, "velocity", 10, "worst")
+    rows = [(label, *map(str.strip, cells)) for label, cells in scoreboard_rows(board)]
+    return page("Scoreboard", about, table(("", *board.theories), rows, numeric=True),
+                note(CAPTION))  # fmt: skip
 
 
 def calibration_html(found: Calibration) -> str:

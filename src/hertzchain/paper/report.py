@@ -27,7 +27,8 @@ from matplotlib.figure import Figure as MatplotlibFigure
 
 from ..chain.tapers import rate_symbol
 from ..evaluation.cases import GROUPS
-from ..evaluation.scoreboard import QUANTITIES, Scoreboard, percentage
+from ..evaluation.scoreboard import QUANTITIES, Scoreboard
+from ..evaluation.scoreboard_rows import percentage
 from ..plotting.scoreboard import plot_scoreboard
 from ..representation import listed
 from ..store.writing import cannot_write

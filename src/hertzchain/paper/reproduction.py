@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from ..calibration import BEADS, Window, beads_in_window
 from ..errors import InputError, unknown_name_error
 from ..evaluation.evaluate import scoreboard
-from ..evaluation.scoreboard import Scoreboard, percentage
+from ..evaluation.scoreboard import Scoreboard
+from ..evaluation.scoreboard_rows import percentage
 from ..frozen import ShortDir
 from ..notebook.drawing import note, numbers, page
 from ..representation import counted, listed, short

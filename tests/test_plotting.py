@@ -426,11 +426,15 @@ def test_labels_state_what_differs():
         for q, n in ((0.01, 9), (0.02, 9), (0.02, 12))
     ]
     axes = hc.plot_pulses([hc.bca(chain) for chain in tapers])
-    assert legend_texts(axes) == ["q = 0.01, 9 beads", "q = 0.02, 9 beads", "q = 0.02, 12 beads"]
+    assert legend_texts(axes) == [
+        "$q$ = 0.01, 9 beads",
+        "$q$ = 0.02, 9 beads",
+        "$q$ = 0.02, 12 beads",
+    ]
     assert axes.get_title() == "BCA, forward-exponential"
     methods = hc.plot_pulses([hc.bca(tapers[0]), hc.propagate(tapers[0])])
     assert legend_texts(methods) == ["BCA", "propagation", "last bead (free end)"]
-    assert methods.get_title() == "forward-exponential, q = 0.01, 9 beads"
+    assert methods.get_title() == "forward-exponential, $q$ = 0.01, 9 beads"
     alone = hc.plot_pulses(hc.bca(tapers[0]))
     assert (legend_texts(alone), alone.get_title()) == (["BCA"], methods.get_title())
     given = hc.plot_pulses([hc.bca(chain) for chain in tapers], labels=["a", "b", "$q_1$"])
@@ -441,7 +445,7 @@ def test_colours_show_chains_and_lines_show_methods():
     tapers = [hc.Chain.tapered("forward-exponential", q, beads=9) for q in (0.01, 0.02)]
     pulses = [method(chain) for chain in tapers for method in (hc.propagate, hc.bca)]
     axes = hc.plot_pulses(pulses, residuals=True)
-    words = ["q = 0.01", "q = 0.02", "propagation", "BCA", "last bead (free end)"]
+    words = ["$q$ = 0.01", "$q$ = 0.02", "propagation", "BCA", "last bead (free end)"]
     assert legend_texts(axes) == words
     assert axes.get_title() == "forward-exponential, 9 beads"
     curves = [line for line in axes.lines if len(line.get_xdata()) > 1]

@@ -46,7 +46,7 @@ def percentage(error: float) -> str:
 
 
 def scoreboard_title(board: Scoreboard, quantity: str, first_bead: int, statistic: str) -> str:
-    """What the numbers of the table are."""
+    """Quantity, statistic and beads of the numbers in the table."""
     return (
         f"{quantity}: {statistic} relative error in %, k = {first_bead}..{board.last_bead} "
         f"of {len(board.cases)} chains"

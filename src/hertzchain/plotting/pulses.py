@@ -150,7 +150,7 @@ def plot_pulses(
     >>> pulses = [hc.propagate(hc.Chain.tapered(ratio=r, beads=40)) for r in (0.5, 0.25)]
     >>> axes = hc.plot_pulses(pulses, "momentum", log=True)
     >>> [text.get_text() for text in axes.get_legend().get_texts()]
-    ['q = 0.0179319', 'q = 0.0361853', 'last bead (free end)']
+    ['$q$ = 0.0179319', '$q$ = 0.0361853', 'last bead (free end)']
     >>> axes.get_title()
     'propagation, forward-exponential, 40 beads'
     """

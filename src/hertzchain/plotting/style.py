@@ -40,6 +40,9 @@ MARKERS: Final = ("o", "+", "x", "s", "^", "v", "D", "<", ">", "1")
 # The letter of micro in units of times, lengths and impulses.
 MICRO: Final = re.compile(r"\bu(?=(?:s|m|N s|J|N|V)\b)")
 
+# Symbols of the rates of tapers in descriptions of chains.
+RATE: Final = re.compile(r"(?<![\w$])([qS])(?=\s=\s-?[\d.])")
+
 # Dates in the fonts of Matplotlib, which are before 1970, would be reported with each PDF file.
 logging.getLogger("fontTools.ttLib.tables._h_e_a_d").setLevel(logging.ERROR)
 
@@ -216,8 +219,11 @@ def shrink_to_height(axes: Axes) -> None:
 
 
 def literal(text: str) -> str:
-    """Escape a text, such as a name, that Matplotlib would read as mathematics."""
-    return text.replace("$", r"\$")
+    """Escape a text, such as a name, that Matplotlib would read as mathematics.
+
+    The symbols of the rates of tapers, as in ``q = 0.03``, are in italics, as on axes.
+    """
+    return RATE.sub(r"$\1$", text.replace("$", r"\$"))
 
 
 def set_title(axes: Axes, text: str, *, common: bool = False) -> None:

@@ -473,7 +473,13 @@ def test_the_summary_states_limits_and_advantages_that_depend_on_the_yield_press
     assert "    this design is 23% better at 1.6 Y and 2% better at 2.8 Y: its advantage depends on yield" in lines  # fmt: skip  # noqa: E501
     (limit,) = (line for line in lines if line.startswith(f"  {name} <= "))
     assert limit.endswith(f" ({high:.4g} N at 2.8 Y), NOT met if contacts yield at 2.8 Y")
+    assert lines[0].endswith(" N; NOT all limits are met if contacts yield at 2.8 Y")
+    assert any("the design does NOT meet wall_force.peak <= " in each and "at 2.8 Y: search with "
+               "loss=ElasticPlastic(factor=2.8)" in each for each in lines)  # fmt: skip
+    assert "constraints NOT met if contacts yield at 2.8 Y" in " ".join(repr(found).split())
     document = found.as_dict()
+    assert document["constraints_met"]
+    assert document["constraints_met_with_yielding_contacts"] is False
     assert document["constraints_not_met_at_fully_plastic_pressure"] == document["constraints"][:1]
     assert document["at_fully_plastic_pressure"]["values"][name] == pytest.approx(high)
     (entry,) = document["references"].values()

@@ -73,7 +73,8 @@ def design(
     and it resumes.
 
     Exit codes: 0 done, 2 the file or an option is invalid, 3 the constraints are not met by any
-    chain that was found, or not if its contacts yield, 130 interrupted.
+    chain that was found, or not if its contacts yield (at 1.6 or 2.8 times the yield strength),
+    130 interrupted.
 
     \b
     Examples:

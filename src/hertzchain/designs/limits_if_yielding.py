@@ -55,11 +55,30 @@ def violated_if_fully_plastic(problem: Design, found: Verified) -> list[Requirem
 
 
 def met_if_yielding(result: DesignResult) -> bool:
-    """Whether the design, or all points of a front, meet all limits also if contacts yield."""
-    points = result.front or (result,)
+    """Whether the design, or all points of a front, meet all limits also if contacts yield.
+
+    The limits are to be met at the assumed and at the largest possible yield pressure.
+    """
     return result.met and not any(
-        violated_only_if_yielding(result.problem, each.verified) for each in points
+        violated(result.problem, each.verified)
+        for each in result.front or (result,)
+        for violated in (violated_only_if_yielding, violated_if_fully_plastic)
     )
+
+
+def limits_at_fully_plastic(result: DesignResult) -> list[str]:
+    """A line on limits that only the largest possible yield pressure violates, and the remedy."""
+    points = result.front or (result,)
+    broken = [violated_if_fully_plastic(result.problem, each.verified) for each in points]
+    outside = sum(map(bool, broken))
+    if not (result.met and outside):
+        return []
+    names = listed([*dict.fromkeys(str(limit) for limits in broken for limit in limits)])
+    of_front = f"{outside} of the {len(points)} points of the Pareto front do"
+    subject = of_front if result.front else "the design does"
+    advice = advice_with_yield(result.problem, fully_plastic=True)
+    return [f"{subject} NOT meet {names} if contacts yield {AT_FULLY_PLASTIC}: {advice}, because "
+            "most forces grow with the yield pressure"]  # fmt: skip
 
 
 def search_with_yield(result: DesignResult) -> list[str]:

@@ -28,6 +28,7 @@ from .comparison import (
 )
 from .ends_of_search import no_better, not_met_with_given, search_choices
 from .limits_if_yielding import (
+    limits_at_fully_plastic,
     met_if_yielding,
     not_met_in_words,
     requirement_with_yield,
@@ -234,8 +235,10 @@ def _heading(result: DesignResult) -> list[str]:
         first = f"{_closest(result, value.strip())}{outside}{_more_trials(result)}"
     else:
         first += outside
-    lines = [first,
-             *(f"  {line}" for line in (*not_met_with_given(result), *search_with_yield(result))),
+    harder = limits_at_fully_plastic(result)
+    first += f"; NOT all limits are met if contacts yield {AT_FULLY_PLASTIC}" * bool(harder)
+    remarks = *not_met_with_given(result), *search_with_yield(result), *harder
+    lines = [first, *(f"  {line}" for line in remarks),
              f"  verified: the integration was repeated at rtol {found.rtol:g}"
              f"{_range_in_words(result)}"]  # fmt: skip
     if has_yielding_value(result, found):
@@ -352,7 +355,8 @@ def constraints_in_words(result: DesignResult) -> str:
     if not result.problem.requirements:
         return ""
     if result.met and not met_if_yielding(result):
-        return f"constraints NOT met {WITH_YIELD}"
+        words = WITH_YIELD if search_with_yield(result) else f"if contacts yield {AT_FULLY_PLASTIC}"
+        return f"constraints NOT met {words}"
     return "constraints met" if result.met else "constraints NOT met"
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from ..chain.chain import Chain
 from ..chain.hertz_range import hertz_range
+from ..chain.materials import FULLY_PLASTIC
 from ..collision import Array
 from ..recorded_warnings import ignore_warnings
 from ..simulation.simulate_many import tabulate_runs
@@ -70,7 +71,8 @@ def change_with_yield(problem: Design) -> str:
     return f"remove {YIELD} from subject_to" if limited else ""
 
 
-def advice_with_yield(problem: Design) -> str:
-    """Advice to search with a law of yield."""
+def advice_with_yield(problem: Design, *, fully_plastic: bool = False) -> str:
+    """Advice to search with a law of yield, also at the largest possible yield pressure."""
     change = change_with_yield(problem)
-    return f"{f'{change} and use' if change else 'search with'} loss=ElasticPlastic()"
+    law = f"ElasticPlastic({f'factor={FULLY_PLASTIC:g}' if fully_plastic else ''})"
+    return f"{f'{change} and use' if change else 'search with'} loss={law}"

@@ -477,6 +477,8 @@ def test_the_summary_states_limits_and_advantages_that_depend_on_the_yield_press
     assert any("the design does NOT meet wall_force.peak <= " in each and "at 2.8 Y: search with "
                "loss=ElasticPlastic(factor=2.8)" in each for each in lines)  # fmt: skip
     assert "constraints NOT met if contacts yield at 2.8 Y" in " ".join(repr(found).split())
+    drawn = [" ".join(text.split()) for text in found.plot("forces").get_legend_handles_labels()[1]]
+    assert any(f"N, violates wall_force.peak at 2.8 Y: {high:.4g} N" in each for each in drawn)
     document = found.as_dict()
     assert document["constraints_met"]
     assert document["constraints_met_with_yielding_contacts"] is False

@@ -735,7 +735,7 @@ def test_titles_name_strikers_walls_and_losses():
         (balls.struck_by(velocity=0.3), "40 steel balls and a striker, 10 mm"),
         (
             balls.struck_by(mass="1 g", radius=np.inf),
-            "40 steel balls and a striker of 1 g, 10 mm",
+            "40 steel balls of 10 mm, striker of 1 g",
         ),
         (struck.replace(right_wall=hc.Wall()), "40 steel balls, 10 mm, and a striker, 20 mm"),
         (

@@ -14,7 +14,7 @@ from ..errors import InputError
 from ..store.chain_as_toml import chain_document
 from ..store.chain_files import chain_from, load_chain
 from ..store.chain_schema import SECTIONS, with_usual_names
-from ..store.toml_files import toml_key, toml_text
+from ..store.toml_files import parse_toml, toml_key, toml_text
 
 MAX_BEADS: Final = 2_000
 # Keys that hold a path, such as that of a CSV file.
@@ -76,10 +76,7 @@ def _check_beads(beads: int) -> None:
 
 def document_of_toml(text: str) -> dict[str, Any]:
     """Parse the text of a chain file that the page has opened."""
-    try:
-        document = tomllib.loads(text.removeprefix("\ufeff"))
-    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
-        raise InputError(f"this file is not valid TOML: {error}") from None
+    document = parse_toml("this file", text)
     chain_of(document)
     return _of_chain(document)
 

@@ -231,15 +231,15 @@ class HertzRange:
         return tuple(found)
 
     @property
-    def _below_yield(self) -> str:
-        """The largest pressure, if it is known and does not exceed its limit."""
+    def _pressure_line(self) -> str:
+        """The largest pressure and its limit, if it is known."""
         at = self._most_loaded
-        if not 0.0 < (ratio := self.yield_ratio[at]) <= 1.0:
+        if not (ratio := self.yield_ratio[at]) > 0.0:
             return ""
-        digits = 2 if ratio < 0.95 else 4
-        return (
-            f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} (limit of Hertz's law: 1)"
-        )
+        digits = 4 if 0.95 <= ratio < 1.05 else 2
+        exceeded = ", exceeded" * bool(ratio > 1.0)
+        return (f"pressure / yield {ratio:.{digits}g} at {_place(at, self)} "
+                f"(limit of Hertz's law: 1{exceeded})")  # fmt: skip
 
     def _yields(self, contact: int) -> str:
         """The material that yields at a contact of two materials."""

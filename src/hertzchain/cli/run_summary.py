@@ -164,7 +164,7 @@ def show_run(
     dented = dents_in_words(run.chain, run._furthest_overlaps)
     remarks = [each for each in (dented, remark_on_overlaps(run)) if each]
     springs = elastic_springs(run.chain)
-    for line in [*pressures_below_yield(run), *unchecked, *springs, *remarks,
+    for line in [*pressures_below_yield(run, above=True), *unchecked, *springs, *remarks,
                  *(f"note: {note}" for note in _notes(run, yielding[0]))]:  # fmt: skip
         show_text(line)
     for wall in _walls(run):

@@ -16,7 +16,8 @@ from ..chain.description import sizes_in_words
 from ..chain.drawn_bodies import body_centres, flat_bodies, half_heights, known_radii
 from ..collision import Array
 from ..designs.comparison import DESIGN, same_as, shown_chains
-from ..designs.verified import Verified, violated
+from ..designs.limits_if_yielding import violated_if_fully_plastic
+from ..designs.verified import AT_FULLY_PLASTIC, Verified, violated
 from .chains import draw_beads, length_of, material_legend
 from .colours import grey
 from .legends import POINTS_PER_INCH, figure_of
@@ -91,12 +92,17 @@ def height_of_beads(result: DesignResult, width: float) -> float:
     return width * (DISTANCE * (len(chains) - 1) + 2.0) * largest / length
 
 
-def violations(result: DesignResult, found: Verified) -> list[str]:
-    """Statement that a chain violates constraints; empty if it does not."""
-    names = violated(result.problem, found.values)
-    if not names:
+def violations(
+    result: DesignResult, found: Verified, *, at_fully_plastic: bool = False
+) -> list[str]:
+    """Statement that a chain violates constraints, or one at 2.8 Y; empty if it does not."""
+    if names := violated(result.problem, found.values):
+        return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
+    harder, broken = found.fully_plastic, violated_if_fully_plastic(result.problem, found)
+    if harder is None or not broken or not at_fully_plastic:
         return []
-    return [f"violates {names[0] if len(names) == 1 else f'{len(names)} constraints'}"]
+    value = broken[0].shown(harder.values[str(broken[0].measure)])
+    return [f"violates {broken[0].measure}", f"{AT_FULLY_PLASTIC}: {value}"]
 
 
 def _write_names(names: list[tuple[float, list[str]]], axes: Axes, half: float) -> None:

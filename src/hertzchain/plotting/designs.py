@@ -205,8 +205,8 @@ def _label(result: DesignResult, name: str, curves: Sequence[Curve], axes: Axes)
             if dashed:
                 shown = f"(dashed: with yield, {FIRST_YIELD:g} Y"
         parts += [f"{shown}{',' if outside else ')'}", *caution]
-    violated = violations(result, shown_chains(result)[name])
-    parts[-1] += "," * len(violated)
+    violated = violations(result, shown_chains(result)[name], at_fully_plastic=True)
+    parts[-1] += "," * bool(violated)
     return _wrapped(axes, parts + violated)
 
 

@@ -107,10 +107,12 @@ def _with_strikers(beads: str, chain: Chain, odd: OddBead | None, *, named: bool
     if not (first and named):
         return [beads, *balls]
     strikers = "a striker" if first == 1 else f"{first} strikers"
-    # The radius of a striker of a given mass need not be its size.
-    if first == 1 and not chain.strikers_are_spheres:
-        strikers += f" of {mass_in_words(float(chain.masses[0]))}"
-    own = [sizes_in_words(radii[:first])] if chain.strikers_are_spheres else balls
+    if not chain.strikers_are_spheres:
+        # The radius of a striker of a given mass need not be its size.
+        if first == 1:
+            strikers = f"striker of {mass_in_words(float(chain.masses[0]))}"
+        return [f"{beads} of {balls[0]}", *balls[1:], strikers]
+    own = [sizes_in_words(radii[:first])]
     if own == balls:
         return [f"{beads} and {strikers}", *balls]
     return [beads, *balls, f"and {strikers}", *own]

@@ -105,16 +105,22 @@ def dents_in_words(chain: Chain, overlaps: Array) -> str:
     return f"{text}, {caution}" if caution else text
 
 
-def pressures_below_yield(*runs: Run) -> list[str]:
-    """A line with the largest pressure of all runs, if it is known and below its limit."""
+def pressures_below_yield(*runs: Run, above: bool = False) -> list[str]:
+    """A line with the largest pressure of all runs, if it is known and below its limit.
+
+    With ``above``, that of pressures above the limit, too.
+    """
     from ..chain.hertz_range import hertz_range
 
     if any(run.chain.materials is None or run.chain.units != "SI" for run in runs):
         return []
     found = [hertz_range(run.chain, run.largest_overlaps) for run in runs]
     known = [each for each in found if not math.isnan(each.largest_yield_ratio)]
-    line = max(known, key=lambda each: each.largest_yield_ratio)._below_yield if known else ""
-    return [line] if line else []
+    if not known:
+        return []
+    largest = max(known, key=lambda each: each.largest_yield_ratio)
+    shown = above or largest.largest_yield_ratio <= 1.0
+    return [largest._pressure_line] if shown and largest._pressure_line else []
 
 
 def remark_on_overlaps(run: Run) -> str:

@@ -16,6 +16,9 @@ from ..validation.objects import file_path
 # Place of an error; a number and its key before this place, and a unit after it.
 _PLACE: Final = re.compile(r"at line (\d+), column (\d+)")
 _NUMBER: Final = re.compile(r"(?<![\w.+-])((?:[\w.-]+ *= *)?)([+-]?\d[\w.+-]*?) *$")
+_TRUTH: Final = re.compile(r"(?:(yes|on|true)|no|off|false)\b", re.IGNORECASE)
+# Most characters of a line that a message quotes.
+LONGEST: Final = 60
 _UNIT: Final = re.compile(r"[^\W\d_][^\s,\]}#\"']*|%")
 
 
@@ -37,7 +40,7 @@ def parse_toml(what: str, text: str, hint: str = "") -> dict[str, Any]:
         return tomllib.loads(text.removeprefix("\ufeff"))
     except tomllib.TOMLDecodeError as error:
         reason = str(error).replace("Cannot overwrite a value", "the same key is given twice")
-        remedy = _quotation_marks(text, reason) or hint
+        remedy = _quotation_marks(text, reason) or _truth_value(text, reason) or hint
         raise InputError(f"{what} is not valid TOML: {reason}{remedy}") from None
     except RecursionError:
         raise InputError(f"{what} is nested too deeply") from None
@@ -46,12 +49,28 @@ def parse_toml(what: str, text: str, hint: str = "") -> dict[str, Any]:
         raise InputError(f"{what} has a whole number of thousands of digits") from None
 
 
-def _quotation_marks(text: str, reason: str) -> str:
-    """A hint at the quotation marks of a number with a unit, if the error is at this unit."""
+def _line_of(text: str, reason: str) -> tuple[str, int]:
+    """The line of an error, and its place in this line; an empty line if it is not known."""
     place = _PLACE.search(reason)
     if place is None:
+        return "", 0
+    return text.removeprefix("\ufeff").split("\n")[int(place[1]) - 1], int(place[2]) - 1
+
+
+def _truth_value(text: str, reason: str) -> str:
+    """The line of an invalid value, with a hint at true and false for a word such as yes."""
+    line, column = _line_of(text, reason)
+    if not line or not reason.startswith("Invalid value"):
         return ""
-    line, column = text.removeprefix("\ufeff").split("\n")[int(place[1]) - 1], int(place[2]) - 1
+    word = _TRUTH.match(line[column:])
+    hint = "" if word is None else f"; write {'true' if word[1] else 'false'}"
+    shown = line.strip()
+    return f" in {shown if len(shown) <= LONGEST else shown[:LONGEST] + '...'}{hint}"
+
+
+def _quotation_marks(text: str, reason: str) -> str:
+    """A hint at the quotation marks of a number with a unit, if the error is at this unit."""
+    line, column = _line_of(text, reason)
     before, unit = _NUMBER.search(line[:column]), _UNIT.match(line[column:])
     if before is None or unit is None or quantity(f"{before[2]} {unit[0]}") is None:
         return ""

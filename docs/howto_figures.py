@@ -236,15 +236,18 @@ def certainty() -> Figure:
     with figure_style(), warnings.catch_warnings():
         warnings.simplefilter("ignore", hc.ModelRangeWarning)
         canvas, panels = plt.subplot_mosaic(
-            [[label, "largest"] for label in shown], figsize=(7.4, 4.2), layout="constrained"
-        )
+            [[label, "largest"] for label in shown], figsize=(7.4, 4.2), layout="constrained",
+            height_ratios=[9, 5, 5],
+        )  # fmt: skip
         right = panels.pop("largest")
         for i, (label, axes) in enumerate(panels.items()):
             run = hc.simulate(shown[label], until="3 ms", times=6001)
             axes.plot(1e3 * run.times, run.sensor("wall"), color=COLOURS[1], linewidth=0.9)
             axes.set_title(label, y=0.8)
             axes.set_xlim(0.0, 3.0)
-            axes.set_ylim(0.0, 90.0)
+            # The heights of the panels give all forces the same scale.
+            axes.set_ylim(0.0, 50.0 if i else 90.0)
+            axes.set_yticks([0, 25, 50, 75][: 3 if i else 4])
             axes.tick_params(labelbottom=i == len(panels) - 1)
         runs = [hc.simulate(chain, until="1.2 ms", times=1201).sensor("wall") for chain in chains]
         first = [force[find_peaks(force, prominence=0.2 * force.max())[0][0]] for force in runs]

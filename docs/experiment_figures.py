@@ -1,5 +1,11 @@
 """Figures of the guides to experiments: places of sensors, the lab sheet, and a hammer."""
 
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
 from typing import Final
 
 import matplotlib.pyplot as plt
@@ -151,4 +157,29 @@ def instrument() -> Figure:
     return canvas
 
 
-EXPERIMENT_FIGURES: Final = (sensor_places, lab_sheet, hammer, instrument)
+def raw_record() -> Figure:
+    """Fits to channel 2 of the record on the page, without and with a gap."""
+    page = Path(__file__).parent.joinpath("how-to", "raw_record.md").read_text("utf-8")
+    blocks = re.findall(r"^\$ cat (\S+)\n(.*?)(?=^\$ |^```)", page, re.M | re.S)
+    sensors = {"CH1": "ball 4 [V]", "CH2": "wall [V]"}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in blocks:
+            Path(folder, name).write_text(text, "utf-8")
+        script = [sys.executable, os.fspath(Path(folder, "make_record.py"))]
+        subprocess.run(script, cwd=folder, check=True)
+        traces = hc.load_traces(Path(folder, "scope.csv"), sensors=sensors)
+        row = Path(folder, "row.toml")
+        touching = hc.fit(traces, row, starts=1, diagnose=False)
+        apart = hc.fit(traces, row, also_free=["gap[6-7]"], starts=1, diagnose=False)
+    with figure_style():
+        canvas, panels = plt.subplots(
+            2, 2, figsize=(7.4, 4.4), sharex=True, layout="constrained", height_ratios=(2.0, 1.0)
+        )
+        fits = {"touching balls": touching, "gap between balls 6 and 7": apart}
+        for (upper, lower), (title, result) in zip(panels.T, fits.items(), strict=True):
+            result.plot("wall", ax=(upper, lower))
+            upper.set_title(title)
+    return canvas
+
+
+EXPERIMENT_FIGURES: Final = (sensor_places, lab_sheet, hammer, instrument, raw_record)

@@ -1058,7 +1058,7 @@ def test_options_change_the_chain_of_a_file(tmp_path):
     assert "row.toml" in (tmp_path / "page.html").read_text("utf-8")
     for wrong, said in (
         ((str(file), "--beads", "3"), "give a chain FILE or --beads, not both"),
-        ((str(file), str(file)), "give one chain FILE, got 2"),
+        ((str(file), str(file)), "give one chain FILE, and a second one as --compare FILE, got 2"),
         ((), "--save requires a chain FILE, or options such as --taper"),
         (("--rate", "0.1"), "--rate requires --taper"),
         (("--beads", "2001"), "at most 2000 beads"),

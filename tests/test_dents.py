@@ -470,7 +470,7 @@ def test_the_summary_states_limits_and_advantages_that_depend_on_the_yield_press
         free, problem=limited, references={"row": other}, compared={"row": 1}
     )
     lines = found.summary().splitlines()
-    assert "    this design is 23% better at 1.6 Y and 2% better at 2.8 Y: its advantage depends on yield" in lines  # fmt: skip  # noqa: E501
+    assert "    this design is 23% better at 1.6 Y and 2% better at 2.8 Y: its advantage here depends on yield" in lines  # fmt: skip  # noqa: E501
     (limit,) = (line for line in lines if line.startswith(f"  {name} <= "))
     assert limit.endswith(f" ({high:.4g} N at 2.8 Y), NOT met if contacts yield at 2.8 Y")
     assert lines[0].endswith(" N; NOT all limits are met if contacts yield at 2.8 Y")

@@ -143,6 +143,10 @@ def _document(options: ChainOptions) -> dict[str, Any]:
     file = _file(options)
     if file is not None and options in (ChainOptions((file,)), ChainOptions(chain_file=file)):
         return document_of_file(file)
+    if len(options.files) > 1:
+        raise click.UsageError(
+            f"give one chain FILE, and a second one as --compare FILE, got {len(options.files)}"
+        )
     return document_of_chain(chain_from(options))
 
 

@@ -229,7 +229,7 @@ def _dependence(result: DesignResult, columns: list[Column], found: Verified) ->
     if least < 0.0 < most:
         return [f"this design is {listed(_phrases(kinds))}: yield reverses the comparison"]
     if most > 0.0 and least < SHRUNK * most and most - least > LOST:
-        return [f"this design is {listed(_phrases(kinds))}: its advantage depends on yield"]
+        return [f"this design is {listed(_phrases(kinds))}: its advantage here depends on yield"]
     return []
 
 

@@ -79,7 +79,7 @@ def _numbers(chain: Chain) -> dict[str, str]:
     if len(struck):
         fastest = float(chain.velocities[struck[np.argmax(np.abs(chain.velocities[struck]))]])
         which = f"bead {struck[0] + 1}" if len(struck) == 1 else f"{len(struck)} beads"
-        found["struck"] = f"{which}, {engineering(fastest, 'm/s', units)}"
+        found["struck"] = f"{which} at velocity {engineering(fastest, 'm/s', units)}"
     exponents = dict.fromkeys(f"{each:g}" for each in np.atleast_1d(chain.exponents))
     if [*exponents] != ["1.5"]:
         found["exponent"] = ", ".join(exponents)

@@ -140,10 +140,10 @@ def reflection_of(
     incident = next((event for event in near if event.direction == sign), None)
     if incident is None or incident.time > stop:
         back = any(event.direction != sign for event in near)
-        hint = f"; waves from contact {second} do: exchange before and after" if back else ""
+        other = f"waves from contact {second} do: exchange before and after"
         raise SimulationError(
-            f"no wave towards contact {second} passes contact {first} in the given time "
-            f"interval{hint}; {self.message}"
+            f"no wave towards contact {second} passes contact {first} in the given time interval; "
+            f"{other if back else 'give a larger until'}; {self.message}"
         )
     far = [event for event in _events_at(self, second) if event.time > incident.time]
     stop = min(stop, float(self.times[-1]))

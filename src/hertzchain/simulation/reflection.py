@@ -329,6 +329,12 @@ class Reflection(Compared):
         return reflection_html(self)
 
     @property
+    def _wall(self) -> bool:
+        """Whether ``after`` is the contact with a wall."""
+        walls = {0: self.chain.left_wall, self.chain.beads: self.chain.right_wall}
+        return walls.get(self.after) is not None
+
+    @property
     def _words(self) -> list[str]:
         """The contacts, the energy kept, the reflected and transmitted waves, the momentum kept."""
         ended = "another wave entered" if self.disturbed else "nothing else entered"
@@ -348,7 +354,7 @@ class Reflection(Compared):
             f"transmitted energy {self._energy_in_words('transmitted')}, "
             f"momentum {self._momentum_in_words('transmitted')}, "
             f"{counted(len(self.transmitted), 'wave')}",
-            f"momentum kept {self.kept_momentum:z.4f}",
+            f"momentum kept {self.kept_momentum:z.4f}{' (by the wall, too)' if self._wall else ''}",
         ]
 
     def __repr__(self) -> str:

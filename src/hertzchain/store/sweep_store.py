@@ -73,7 +73,10 @@ class SweepStore:
         name = os.fspath(folder)
         _check_folder(folder)
         if not os.path.isdir(folder):  # noqa: PTH112  (pathlib raises for names that are too long)
-            raise InputError(f"there is no sweep store {name!r}: give the folder of a sweep")
+            raise InputError(
+                f"there is no sweep store {name!r}: give the folder of a sweep; a sweep that was "
+                "interrupted before its first results has none"
+            )
         try:
             group: Any = zarr.open_group(self.folder, mode="r", zarr_format=3)
             self.attributes: dict[str, Any] = dict(group.attrs)

@@ -122,7 +122,7 @@ def _noiseless_notes(shot: Shot, number: int) -> list[str]:
     if not names:
         return []
     return [
-        f"{', '.join(names)} in shot {number} {'has' if len(names) == 1 else 'have'} less noise "
-        f"before the pulse than {ACCURACY:g} of the largest sample, the accuracy of the simulated "
-        "signals, which is therefore used as noise; if the data are measured, give noise"
+        f"{', '.join(names)} in shot {number} {'has' if len(names) == 1 else 'have'} almost no "
+        f"noise before the pulse, as simulated signals have; {ACCURACY:g} of the largest sample, "
+        "the accuracy of simulations, is used as noise; if the data are measured, give noise"
     ]

@@ -38,6 +38,7 @@ OTHER_WORDS: Final = {
     "speed": "velocity", "impulse": "momentum",
     "peak force": "wall_force.peak", "wall force": "wall_force.peak",
     "striker.mass": "struck_by.mass", "striker.velocity": "struck_by.velocity",
+    "restitution": "loss.coefficient",
 }  # fmt: skip
 # Largest number of errors listed in one message.
 MAX_LISTED: Final = 20

@@ -79,7 +79,8 @@ HELD_BACK: Final = (
 @click.option(
     "--laws",
     metavar="NAMES",
-    help="Compare loss laws with that of the chain file: all, or names separated by commas.",
+    help="Compare loss laws with that of the chain file: all, or names separated by commas; for 10 "
+    "balls and 1600 samples, all takes 1 to 2 min of processor time.",
 )
 @click.option(
     "--defects",

@@ -869,7 +869,7 @@ def test_the_figure_of_the_pulse_shows_the_curves_of_the_page(client):
     assert legend([])[0] == usual | {"hard sphere", "2/3 BCA", "modified BCA, printed"}
     second = {"other": {"chain": {"taper": "uniform", "beads": TAPER["chain"]["beads"]}}}
     # Colours show the chains, of which A is the first, and lines the methods.
-    taper = "backward-exponential, q = 0.05"
+    taper = "backward-exponential, $q$ = 0.05"
     for slot, chains in (
         ("A", [f"A, {taper}", "B, uniform"]),
         ("B", ["A, uniform", f"B, {taper}"]),

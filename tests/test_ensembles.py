@@ -503,7 +503,7 @@ def test_the_check_of_reflections_can_be_omitted():
     assert leading["wall_peak_force"] == pytest.approx(whole["wall_peak_force"], rel=1e-12)
     assert whole.outside_range.tolist() == [True, False]
     assert leading.outside_range.tolist() == [False, False]
-    assert "1 of 2 chains outside Hertz's range;" in repr(whole)
+    assert "1 of 2 chains outside Hertz's range:" in repr(whole)
     assert "0 of 2 chains outside Hertz's range (reflections not" in repr(leading)
 
 

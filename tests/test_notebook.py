@@ -58,7 +58,10 @@ def test_every_kind_is_small_and_has_its_numbers(results):
     free = balls(beads, units)
     pulse = hc.bca(free)
     for item, words in (
-        (run.chain, [f"{beads} {kind}, right wall", "bead 1, 100 mm/s" if si else "bead 1, 1"]),
+        (
+            run.chain,
+            [f"{beads} {kind}, right wall", f"bead 1 at velocity {'100 mm/s' if si else 1}"],
+        ),
         (pulse, ["by BCA", "last bead", "largest force", " N (contact" if si else "(contact"]),
         (run.pulse(), ["by simulation", "arrival"]),
         (run, ["time reached", f"{beads} of {beads}", "energy drift", "velocity [m" * si]),
@@ -320,7 +323,7 @@ def test_strikers_and_materials_are_distinguished():
     root, text = parsed(chain.struck_by(velocity=0.3, count=2))
     assert [each.get("fill") for each in root.findall(".//circle")][:2] == ["none", "none"]
     assert "brass" in text
-    assert "2 beads, 300 mm/s" in text
+    assert "2 beads at velocity 300 mm/s" in text
 
 
 def test_names_are_escaped():

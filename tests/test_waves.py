@@ -184,14 +184,14 @@ def test_tables_and_pictures():
 
 
 def test_a_run_in_which_nothing_moves_has_no_waves():
-    chain = hc.Chain.uniform(5).replace(velocities=np.zeros(5))
+    chain = hc.Chain.uniform(6).replace(velocities=np.zeros(6))
     run = hc.simulate(chain, until=3.0, times=50)
     assert len(run.waves()) == 0
     assert run.waves().to_dataframe().empty
-    assert run.energy_flux().right.tolist() == [0.0] * 4
+    assert run.energy_flux().right.tolist() == [0.0] * 5
     assert "to the left 0 at" in repr(run.energy_flux())
-    with pytest.raises(hc.SimulationError, match="no wave towards contact 4 passes contact 2"):
-        run.reflection(2, 4)
+    with pytest.raises(hc.SimulationError, match="no wave towards contact 5 passes contact 2"):
+        run.reflection(2, 5)
 
 
 def test_contacts_in_the_wrong_order_are_named():

@@ -300,7 +300,9 @@ def _speeds(heights: Any, speeds: Any) -> tuple[Array | None, Array]:
     if (heights is None) == (speeds is None):
         raise InputError("give either heights, such as ['1 mm', '4 mm'], or speeds of the impact")
     given, what = (speeds, "speeds") if heights is None else (heights, "heights")
-    if isinstance(given, str) or not hasattr(given, "__len__") or not LEAST <= len(given) <= MOST:
+    # A scalar quantity of Pint has a length that raises.
+    scalar = isinstance(given, str) or getattr(given, "ndim", 1) == 0
+    if scalar or not hasattr(given, "__len__") or not LEAST <= len(given) <= MOST:
         raise InputError(
             f"{what} must be a list of {LEAST} to {MOST} values, such as "
             f"{['1 mm', '4 mm'] if heights is not None else ['0.1 m/s', '0.2 m/s']}, got "

@@ -485,4 +485,4 @@ def test_the_summary_states_limits_and_advantages_that_depend_on_the_yield_press
     assert document["constraints_not_met_at_fully_plastic_pressure"] == document["constraints"][:1]
     assert document["at_fully_plastic_pressure"]["values"][name] == pytest.approx(high)
     (entry,) = document["references"].values()
-    assert any("advantage depends on yield" in each for each in entry["remarks"])
+    assert any("advantage here depends on yield" in each for each in entry["remarks"])

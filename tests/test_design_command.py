@@ -858,7 +858,7 @@ diameters = ["5 mm", "10 mm"]
 """
     file.write_text(text)
     found = run(file, "--dry-run")
-    assert found.exit_code == run(file, "--dry-run", "--json").exit_code == 3
+    assert found.returncode == run(file, "--dry-run", "--json").returncode == 3
     shown = found.stdout
     assert "cannot be met" in shown
     assert "so no search is made" in shown

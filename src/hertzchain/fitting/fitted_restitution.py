@@ -29,7 +29,7 @@ class FittedRestitution:
     value, error : float
         Coefficient of the first contact, and its standard error.
     speed : float
-        Fitted speed of the impact [m/s], which is exact here.
+        Fitted speed of the impact [m/s], regarded as exact.
     """
 
     value: float

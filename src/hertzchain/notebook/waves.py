@@ -127,9 +127,7 @@ def reflection_html(found: Reflection) -> str:
         "its momentum": engineering(incident.impulse, "N s", units),
         "its force": engineering(incident.amplitude, "N", units),
         "counted until": engineering(found.until, "s", units),
-        "momentum kept, by the wall too"
-        if found._wall
-        else "momentum kept": f"{found.kept_momentum:.4f}",
+        f"momentum kept{', wall included' * found._wall}": f"{found.kept_momentum:.4f}",
         "energy kept": f"{found.kept_energy:.4f}",
     }
     if found._separated:

@@ -234,15 +234,18 @@ class Reflection(Compared):
     def _energy_coming(self, part: str) -> float:
         """Energy on its way to the contact of a part, if it is relevant; 0 otherwise."""
         coming = self.energy_on_its_way[part == "transmitted"]
-        counted = self.transmitted_energy if part == "transmitted" else self.reflected_energy
+        least = max(COMING * self._energies[part], LEAST)
         # Weak waves that entered in front of the object leave it as well.
-        return coming if coming > max(COMING * counted, LEAST) + self.entered_energy else 0.0
+        return coming if coming > least + self.entered_energy else 0.0
+
+    @property
+    def _energies(self) -> dict[str, float]:
+        return {"reflected": self.reflected_energy, "transmitted": self.transmitted_energy}
 
     def _energy_in_words(self, part: str) -> str:
         """Such as ``0.5227`` or, of waves that have not passed, ``0.0000 (up to 0.0235 more)``."""
-        energy = self.transmitted_energy if part == "transmitted" else self.reflected_energy
         more = self._energy_coming(part)
-        return f"{energy:z.4f}" + (f" (up to {more:.4f} more)" if more else "")
+        return f"{self._energies[part]:z.4f}" + (f" (up to {more:.4f} more)" if more else "")
 
     def _coming(self, part: str, relative: float = SLOW, least: float = LEAST_SLOW) -> float:
         """Momentum on its way to the contact of a part, if it is relevant; 0 otherwise."""
@@ -341,9 +344,8 @@ class Reflection(Compared):
         if self.entered_energy > SHOWN:
             ended = f"waves with energy {self.entered_energy:.4f} entered"
         end, near = measure(self.until, "s", self.chain.units), self._nearby
-        reflected = self._energy_in_words("reflected")
-        if near:
-            reflected = f"{self.reflected_energy:.4f}{near}"
+        passed = f"{self.reflected_energy:z.4f}{near}"
+        reflected = passed if near else self._energy_in_words("reflected")
         return [
             f"contacts {self.before} to {self.after}, until t = {end}, {ended}",
             f"energy kept {self.kept_energy:z.4f}{self._separated}{self._unexplained}",
@@ -354,7 +356,7 @@ class Reflection(Compared):
             f"transmitted energy {self._energy_in_words('transmitted')}, "
             f"momentum {self._momentum_in_words('transmitted')}, "
             f"{counted(len(self.transmitted), 'wave')}",
-            f"momentum kept {self.kept_momentum:z.4f}{' (by the wall, too)' if self._wall else ''}",
+            f"momentum kept {self.kept_momentum:z.4f}{' (wall included)' if self._wall else ''}",
         ]
 
     def __repr__(self) -> str:

@@ -327,7 +327,7 @@ def test_the_output_says_why_a_defect_is_not_the_best_one_of_the_scan(run, tmp_p
 @pytest.mark.parametrize("defects", [False, True])
 def test_defects_that_were_searched_are_not_advised(defects, tmp_path, monkeypatch):
     nothing = SimpleNamespace(
-        names=(), sizes=(), improvements=(), found=False, summary=lambda: "no defect"
+        names=(), sizes=(), improvements=(), found=False, summary=lambda **_: "no defect"
     )
     monkeypatch.setattr(hc, "scan_defects", lambda *_, **__: nothing, raising=False)
     files = map(str, written(tmp_path, gap=0.4e-6))
@@ -366,6 +366,9 @@ def test_an_odd_ball_is_found_and_parameters_are_added(run, tmp_path):
     free = ("--free", "stiffness", "--free", "time_offset", "--also-free", "struck_by.velocity")
     code, out, err = run("fit", *files, *free, "--starts", 1, "--defects")
     assert code == 0, err
+    # The fit without the ball is printed before the search.
+    without, _, out = out.partition("\n\n")
+    assert without.startswith("3 parameters ")
     names = [line.split()[0] for line in out.splitlines()[1:5]]
     assert names == ["stiffness", "time_offset", "struck_by.velocity", "radius[8]"]
     value, error, unit = re.findall(r"radius\[8\] +(\S+) \+- (\S+) (\w+)", out)[0]
